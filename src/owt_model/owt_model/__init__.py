@@ -1,0 +1,1 @@
+"""Data and configuration shared by all stages: structure, mesh, case and the contracts between them."""

@@ -1,0 +1,316 @@
+"""The one configuration object: a load case, validated, frozen, units in the field names.
+
+The case file, the ROS parameters, the launch arguments and the command-line flags are all derived
+from :class:`CaseConfig`; ``docs/case.schema.json`` is its JSON schema. Defaults are those of thesis
+table 4.3.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from owt_model.errors import InputError
+from owt_model.validation import input_error
+
+__all__ = [
+    "CaseConfig",
+    "Components",
+    "Damping",
+    "Fatigue",
+    "Morison",
+    "SeaStateConfig",
+    "Stream",
+    "StructureConfig",
+    "Time",
+    "Wave",
+    "load_case",
+    "parse_case",
+]
+
+_REDUCTION = re.compile(r"^(full|CB\d{2,3}|CB\d{2,3}M\d{2,3}|M\d{2,3})$")
+#: Steepness 2 pi Hs / (g Tp^2) above which a sea state cannot exist (limit of a single deep-water wave).
+MAX_STEEPNESS = 1.0 / 7.0
+#: Hs over water depth above which a sea state cannot exist (depth-limited breaking).
+MAX_HEIGHT_OVER_DEPTH = 0.6
+
+Direction = Annotated[float, Field(ge=-360.0, le=360.0)]
+PositiveInt = Annotated[int, Field(ge=1)]
+
+
+class _Frozen(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class SeaStateConfig(_Frozen):
+    """A stationary irregular sea state (thesis 2.7 and 4.4)."""
+
+    hs_m: float = Field(6.0, gt=0.0, le=30.0, description="significant wave height in m")
+    tp_s: float = Field(9.45, gt=0.0, le=60.0, description="peak period in s")
+    gamma: float | None = Field(
+        None, ge=1.0, le=10.0, description="JONSWAP peak enhancement; null for the rule of eq. 4.80"
+    )
+    direction_deg: Direction = Field(
+        210.0, description="direction the waves travel to, measured from +x towards +y, in degrees"
+    )
+    seed: int = Field(1, ge=0, le=2**63 - 1, description="seed of the random phases")
+    cutoff_over_peak: float = Field(
+        4.0, gt=1.0, le=20.0, description="highest component over the peak frequency"
+    )
+
+
+class Components(_Frozen):
+    """Explicit first-order components: eta1 = sum a cos(omega t - k (x cos b + y sin b) - phase)."""
+
+    omega_rad_s: tuple[Annotated[float, Field(gt=0.0, le=100.0)], ...] = Field(
+        min_length=1, description="angular frequencies in rad/s"
+    )
+    amplitude_m: tuple[Annotated[float, Field(ge=0.0, le=50.0)], ...] = Field(
+        min_length=1, description="amplitudes in m"
+    )
+    phase_rad: tuple[float, ...] = Field(min_length=1, description="phases in rad")
+    direction_deg: Direction | tuple[Direction, ...] = Field(
+        0.0, description="direction the waves travel to, one or one per component, in degrees"
+    )
+
+    @model_validator(mode="after")
+    def _same_length(self) -> Components:
+        n = len(self.omega_rad_s)
+        lengths = {"amplitude_m": len(self.amplitude_m), "phase_rad": len(self.phase_rad)}
+        if isinstance(self.direction_deg, tuple):
+            lengths["direction_deg"] = len(self.direction_deg)
+        for name, length in lengths.items():
+            if length != n:
+                raise InputError(
+                    f"components.{name}",
+                    length,
+                    f"must have as many entries as omega_rad_s ({n})",
+                    "Give one value per component.",
+                )
+        return self
+
+
+class Wave(_Frozen):
+    """Wave theory and what is done above still water."""
+
+    order: Literal[1, 2] = Field(2, description="perturbation order")
+    stretching: Literal["taylor", "wheeler", "constant", "none"] = Field(
+        "taylor", description="kinematics above still water"
+    )
+
+    @model_validator(mode="after")
+    def _wheeler_is_first_order(self) -> Wave:
+        if self.order == 2 and self.stretching == "wheeler":
+            raise InputError(
+                "wave.stretching",
+                "wheeler",
+                "stretches the first order only and is refused at order 2",
+                "Use taylor at order 2, or order 1.",
+            )
+        return self
+
+
+class Time(_Frozen):
+    """Sampling of waves and loads."""
+
+    dt_s: float = Field(0.1, gt=0.0, le=60.0, description="time step of waves and loads in s")
+    n: int = Field(6000, ge=2, le=10_000_000, description="number of samples")
+
+    @property
+    def duration_s(self) -> float:
+        """Length n dt of the record in s."""
+        return self.n * self.dt_s
+
+
+class Morison(_Frozen):
+    """Morison loads (thesis 4.2.3)."""
+
+    cd: float = Field(1.0, ge=0.0, le=10.0, description="drag coefficient")
+    cm: float = Field(2.0, ge=0.0, le=10.0, description="inertia coefficient")
+    marine_growth: bool = Field(False, description="loads on the diameter with marine growth")
+    distribution: Literal["linear"] = Field(
+        "linear", description="sectional force between hydrodynamic nodes"
+    )
+    discretisation_m: float = Field(1.0, ge=0.01, le=50.0, description="longest hydrodynamic element in m")
+
+
+class Damping(_Frozen):
+    """Rayleigh damping C = alpha M + beta K."""
+
+    alpha: float = Field(0.027, ge=0.0, le=10.0, description="mass proportional coefficient in 1/s")
+    beta: float = Field(0.002, ge=0.0, le=1.0, description="stiffness proportional coefficient in s")
+
+
+class StructureConfig(_Frozen):
+    """Structure, its reduction and its time integration."""
+
+    model: str = Field("oc4", min_length=1, description="name of a shipped structure or path of a YAML file")
+    reduction: str = Field("CB10M10", description="full, CBnn, CBnnMmm or Mmm")
+    damping: Damping = Field(default_factory=Damping)
+    dt_s: float = Field(0.02, gt=0.0, le=60.0, description="integration step in s; divides time.dt_s")
+
+    @model_validator(mode="after")
+    def _known_reduction(self) -> StructureConfig:
+        if not _REDUCTION.match(self.reduction):
+            raise InputError(
+                "structure.reduction",
+                self.reduction,
+                "must be full, CBnn, CBnnMmm or Mmm (nn, mm two digits)",
+                "For example CB10M10: 10 fixed-interface modes and 10 MTA vectors.",
+            )
+        return self
+
+
+class Fatigue(_Frozen):
+    """How stress becomes damage."""
+
+    sn_curve: str = Field(
+        "T_cathodic_protection", min_length=1, description="name of an S-N curve in the data file"
+    )
+    scf: float = Field(1.0, ge=1.0, le=50.0, description="stress concentration factor on the nominal stress")
+
+
+class Stream(_Frozen):
+    """How the graph and the in-process run cut time into blocks."""
+
+    block: int = Field(50, ge=1, le=10_000, description="load samples per block")
+    window: int = Field(4, ge=1, le=64, description="blocks in flight before a producer waits for credit")
+    rate: float = Field(0.0, ge=0.0, le=100.0, description="simulated s per s; 0 as fast as the slowest node")
+
+
+class CaseConfig(_Frozen):
+    """One load case, from the sea to the damage."""
+
+    water_depth_m: float = Field(50.0, gt=0.0, le=5000.0, description="water depth in m")
+    gravity_m_s2: float = Field(9.81, gt=0.0, le=30.0, description="gravity in m/s2")
+    density_kg_m3: float = Field(1025.0, gt=0.0, le=3000.0, description="water density in kg/m3")
+    sea_state: SeaStateConfig | None = Field(default_factory=SeaStateConfig)
+    components: Components | None = None
+    wave: Wave = Field(default_factory=Wave)
+    time: Time = Field(default_factory=Time)
+    points_m: tuple[tuple[float, float, float], ...] | None = Field(
+        None, min_length=1, description="points [x, y, z] of `waves`, z up from still water"
+    )
+    gauges_m: tuple[tuple[float, float], ...] = Field(
+        ((0.0, 0.0),), min_length=1, description="gauge points [x, y] of the surface elevation"
+    )
+    morison: Morison = Field(default_factory=Morison)
+    structure: StructureConfig = Field(default_factory=StructureConfig)
+    fatigue: Fatigue = Field(default_factory=Fatigue)
+    stream: Stream = Field(default_factory=Stream)
+    wind: None = Field(None, description="no wind load yet")
+
+    @model_validator(mode="after")
+    def _possible(self) -> CaseConfig:
+        if self.sea_state is None and self.components is None:
+            raise InputError(
+                "sea_state",
+                None,
+                "and components must not both be null",
+                "Give a sea_state or a list of components.",
+            )
+        if self.sea_state is not None:
+            self._check_sea_state(self.sea_state)
+        for i, (_, _, z) in enumerate(self.points_m or ()):
+            if z < -self.water_depth_m:
+                raise InputError(
+                    f"points_m[{i}]",
+                    z,
+                    f"lies below the sea bed at z = {-self.water_depth_m} m",
+                    "Give z up from still water, in m.",
+                )
+        ratio = self.time.dt_s / self.structure.dt_s
+        if abs(ratio - round(ratio)) > 1e-9 * ratio or round(ratio) < 1:
+            raise InputError(
+                "structure.dt_s",
+                self.structure.dt_s,
+                f"must divide time.dt_s = {self.time.dt_s} s exactly",
+                "Use for example 0.02 s with 0.1 s.",
+            )
+        return self
+
+    def _check_sea_state(self, sea: SeaStateConfig) -> None:
+        limit_height = MAX_HEIGHT_OVER_DEPTH * self.water_depth_m
+        if sea.hs_m > limit_height:
+            raise InputError(
+                "sea_state.hs_m",
+                sea.hs_m,
+                f"must be at most {MAX_HEIGHT_OVER_DEPTH} of the water depth, {limit_height:g} m",
+                "Waves this high break in this depth.",
+            )
+        steepness = 2.0 * math.pi * sea.hs_m / (self.gravity_m_s2 * sea.tp_s**2)
+        if steepness > MAX_STEEPNESS:
+            shortest = math.sqrt(2.0 * math.pi * sea.hs_m / (self.gravity_m_s2 * MAX_STEEPNESS))
+            raise InputError(
+                "sea_state.tp_s",
+                sea.tp_s,
+                f"makes the steepness 2 pi Hs/(g Tp^2) {steepness:.3g}, above 1/7",
+                f"Use at least {shortest:.2f} s with Hs {sea.hs_m:g} m.",
+            )
+        cutoff = sea.cutoff_over_peak * 2.0 * math.pi / sea.tp_s
+        if cutoff * self.time.duration_s < 2.0 * math.pi * (1.0 - 1e-12):
+            raise InputError(
+                "time.n",
+                self.time.n,
+                f"times dt_s = {self.time.dt_s:g} s is too short: no component 2 pi m/(n dt) lies below the "
+                f"cut-off {cutoff:.3g} rad/s",
+                "Use a longer record.",
+            )
+
+    @property
+    def substeps(self) -> int:
+        """Integration steps per load step."""
+        return round(self.time.dt_s / self.structure.dt_s)
+
+
+def parse_case(data: Any, *, source: str = "case") -> CaseConfig:
+    """Validate a case given as plain data (what JSON holds).
+
+    Raises
+    ------
+    InputError
+        Naming the first offending field, its value, the limit and the remedy.
+    """
+    if not isinstance(data, dict):
+        raise InputError(source, data, "must be a JSON object", "See docs/case.schema.json for its fields.")
+    if data.get("components") is not None:
+        if data.get("sea_state") is not None:
+            raise InputError(
+                "components", "and sea_state", "must not both be given", "Set one of the two to null."
+            )
+        data = {**data, "sea_state": None}
+    try:
+        # Validation from JSON text: strict types, yet lists become the tuples of a frozen object.
+        return CaseConfig.model_validate_json(json.dumps(data))
+    except ValidationError as error:
+        raise input_error(error, CaseConfig, remedy="See docs/case.schema.json.") from None
+
+
+def load_case(path: str | Path) -> CaseConfig:
+    """Read and validate a case file (JSON).
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not JSON, or holds a value that the model refuses.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "is not UTF-8 text"
+        raise InputError(
+            "case file", str(path), f"cannot be read ({reason})", "Give a readable JSON file."
+        ) from None
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InputError(
+            "case file", str(path), f"is not JSON ({error.msg}, line {error.lineno})", "Check its syntax."
+        ) from None
+    return parse_case(data)

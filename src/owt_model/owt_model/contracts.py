@@ -1,0 +1,195 @@
+"""The frozen data that crosses stages: sea state, elevation, loads, response, stress, energy, fatigue.
+
+A block holds consecutive samples of one stream: time axis first, C order, float64, SI units.
+``sequence`` counts blocks from 0, ``start`` is the index of the first sample in the stream, whose
+time is ``start * dt``; the block marked ``last`` ends the stream.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+__all__ = [
+    "ElevationBlock",
+    "EnergyBlock",
+    "FatigueBlock",
+    "LoadBasis",
+    "LoadBlock",
+    "ModalBlock",
+    "ReducedDescription",
+    "SeaState",
+    "StressBlock",
+]
+
+
+@dataclass(frozen=True)
+class SeaState:
+    """First-order components of a sea and the water they travel on.
+
+    eta1 = sum a cos(omega t - k (x cos b + y sin b) - phase), b the direction the waves travel to.
+    ``hs_m``, ``tp_s`` and ``gamma`` are zero for a sea given by its components.
+    """
+
+    omega_rad_s: Float[np.ndarray, " component"]
+    amplitude_m: Float[np.ndarray, " component"]
+    phase_rad: Float[np.ndarray, " component"]
+    wavenumber_rad_m: Float[np.ndarray, " component"]
+    direction_deg: float
+    water_depth_m: float
+    gravity_m_s2: float
+    density_kg_m3: float
+    order: int
+    stretching: str
+    dt_s: float
+    n: int
+    hs_m: float = 0.0
+    tp_s: float = 0.0
+    gamma: float = 0.0
+    seed: int = 0
+    cutoff_rad_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Block:
+    """What every block of samples carries."""
+
+    sequence: int
+    start: int
+    dt: float
+    last: bool
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time of the first sample in ns, exact to the ns."""
+        return round(self.start * round(self.dt * 1e12) / 1e3)
+
+
+@dataclass(frozen=True)
+class ElevationBlock(Block):
+    """Surface elevation in m at the gauge points."""
+
+    gauge: Float[np.ndarray, "gauge 2"]
+    first_order: Float[np.ndarray, "sample gauge"]
+    total: Float[np.ndarray, "sample gauge"]
+
+
+@dataclass(frozen=True)
+class LoadBlock(Block):
+    """Wave loads on the mesh: forces in N, moments in N m.
+
+    Attributes
+    ----------
+    node : int array [loaded]
+        Mesh nodes that any load can reach; all others carry none.
+    element : int array [fixed]
+        Loaded elements at member ends: those whose fixed-end forces stress recovery needs.
+    nodal : float array [sample, loaded, 6]
+        Consistent nodal forces and moments, global axes.
+    fixed_end : float array [sample, fixed, 12]
+        Fixed-end forces in element axes: what a fully clamped element exerts on the loads' behalf,
+        i.e. minus the equivalent nodal loads of the element.
+    """
+
+    model_hash: str
+    node: Int[np.ndarray, " loaded"]
+    element: Int[np.ndarray, " fixed"]
+    nodal: Float[np.ndarray, "sample loaded 6"]
+    fixed_end: Float[np.ndarray, "sample fixed 12"]
+
+
+@dataclass(frozen=True)
+class LoadBasis:
+    """Proper orthogonal decomposition of a load history (thesis appendix E).
+
+    Attributes
+    ----------
+    vectors : float array [vector, loaded, 6]
+        Orthonormal spatial load vectors, the most energetic first.
+    singular_values : float array [rank]
+        All singular values of the snapshot matrix whose mean is removed; POV = sigma^2 / snapshots.
+    mean : float array [loaded, 6]
+        Mean load, which the snapshots leave out.
+    """
+
+    model_hash: str
+    node: Int[np.ndarray, " loaded"]
+    vectors: Float[np.ndarray, "vector loaded 6"]
+    singular_values: Float[np.ndarray, " rank"]
+    mean: Float[np.ndarray, "loaded 6"]
+    snapshots: int
+
+
+@dataclass(frozen=True)
+class ReducedDescription:
+    """Names and frequencies of the assembled reduced model, in the order of its arrays."""
+
+    model_name: str
+    model_hash: str
+    reduction: str
+    coordinate_name: tuple[str, ...]
+    frequency_hz: Float[np.ndarray, " mode"]
+    damping_ratio: Float[np.ndarray, " mode"]
+    end_name: tuple[str, ...]
+    tower_top_coordinate: int
+
+
+@dataclass(frozen=True)
+class ModalBlock(Block):
+    """Generalised displacements, velocities and accelerations of the assembled reduced model."""
+
+    displacement: Float[np.ndarray, "sample coordinate"]
+    velocity: Float[np.ndarray, "sample coordinate"]
+    acceleration: Float[np.ndarray, "sample coordinate"]
+
+
+@dataclass(frozen=True)
+class StressBlock(Block):
+    """Stress in Pa at the member ends, in the order of :attr:`Mesh.end_name`.
+
+    ``axial`` is positive in tension. The signed normal stress at the angle theta round the section,
+    from element axis y towards z, is axial + bending_y sin(theta) + bending_z cos(theta); the sign of
+    either bending stress is that of the normal stress which it causes at its extreme fibre (+z, +y).
+    ``von_mises`` is eq. 4.79 and unsigned.
+    """
+
+    axial: Float[np.ndarray, "sample end"]
+    bending_y: Float[np.ndarray, "sample end"]
+    bending_z: Float[np.ndarray, "sample end"]
+    von_mises: Float[np.ndarray, "sample end"]
+
+
+@dataclass(frozen=True)
+class EnergyBlock(Block):
+    """Potential and kinetic energy in J, total and per mode of the assembled reduced model."""
+
+    potential: Float[np.ndarray, " sample"]
+    kinetic: Float[np.ndarray, " sample"]
+    potential_mode: Float[np.ndarray, "sample mode"]
+    kinetic_mode: Float[np.ndarray, "sample mode"]
+
+
+@dataclass(frozen=True)
+class FatigueBlock(Block):
+    """Running rainflow results per member end, over all samples counted so far.
+
+    Attributes
+    ----------
+    cycles : float array [end]
+        Cycles counted at the point of largest damage, the residue as half cycles.
+    damage : float array [end]
+        Palmgren-Miner sum, the largest of the points round the section.
+    total_stress : float array [end]
+        Sum of range times count of the von Mises stress in Pa, the thesis' measure (chapter 5).
+    max_range : float array [end]
+        Largest range of the signed normal stress in Pa.
+    """
+
+    samples_counted: int
+    sn_curve: str
+    cycles: Float[np.ndarray, " end"]
+    damage: Float[np.ndarray, " end"]
+    total_stress: Float[np.ndarray, " end"]
+    max_range: Float[np.ndarray, " end"]

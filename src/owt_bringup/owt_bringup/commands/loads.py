@@ -1,0 +1,34 @@
+"""``owt loads``: wave loads on a jacket."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "Morison loads of a case on its jacket: total force and moment, nodal loads"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("case", type=Path, metavar="CASE.json", help="case file")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.npz", help="file to write")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compute and write t, force, moment, nodal and where the nodes are."""
+    import numpy as np
+    from owt_model.config import load_case
+    from owt_model.mesh import build_mesh
+    from owt_model.structure import load_structure
+    from owt_wave_node.core.loads import jacket_loads
+
+    from owt_bringup.output import write_npz
+
+    case = load_case(options.case)
+    mesh = build_mesh(load_structure(case.structure.model))
+    result = jacket_loads(case, mesh)
+    arrays = {name: getattr(result, name) for name in ("t", "force", "moment", "nodal")}
+    arrays["node_position_m"] = mesh.node_position
+    arrays["node_name"] = np.array(mesh.node_name)
+    write_npz(options.output, arrays)
+    return 0

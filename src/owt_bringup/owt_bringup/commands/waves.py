@@ -1,0 +1,27 @@
+"""``owt waves``: elevation and kinematics at points."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+HELP = "wave elevation and kinematics at the points of a case file"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("case", type=Path, metavar="CASE.json", help="case file with points_m")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.npz", help="file to write")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compute and write t, eta1, eta2, velocity, acceleration, velocity2, acceleration2 and wet."""
+    from owt_model.config import load_case
+    from owt_wave_node.core.kinematics import wave_kinematics
+
+    from owt_bringup.output import write_npz
+
+    result = wave_kinematics(load_case(options.case))
+    names = ("t", "eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2", "wet")
+    write_npz(options.output, {name: getattr(result, name) for name in names})
+    return 0

@@ -1,0 +1,116 @@
+"""What the commands write: files that appear whole or not at all, and a progress bar on a terminal."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from owt_model.errors import InputError
+
+__all__ = ["ProgressBar", "atomic_path", "prepare_folder", "write_json", "write_npz"]
+
+
+@contextmanager
+def atomic_path(path: Path) -> Iterator[Path]:
+    """Yield a temporary path beside `path`; it becomes `path` only if the block succeeds.
+
+    Raises
+    ------
+    InputError
+        If nothing can be written there.
+    """
+    folder = path.absolute().parent
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".partial", dir=folder)
+        os.close(handle)
+    except OSError as error:
+        raise InputError(
+            "output", str(path), f"cannot be written ({error.strerror})", "Choose an existing, writable folder."
+        ) from None
+    partial = Path(name)
+    try:
+        yield partial
+        partial.chmod(0o644)
+        partial.replace(path)
+    except OSError as error:
+        raise InputError(
+            "output", str(path), f"cannot be written ({error.strerror})", "Check the folder and the free space."
+        ) from None
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def prepare_folder(path: Path) -> Path:
+    """Create the folder `path` if need be.
+
+    Raises
+    ------
+    InputError
+        If it cannot be made or written to.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            "output", str(path), f"cannot be made a folder ({error.strerror})", "Choose another place."
+        ) from None
+    if not os.access(path, os.W_OK):
+        raise InputError("output", str(path), "is not writable", "Choose another folder.")
+    return path
+
+
+def write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    """Write arrays as one npz file, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If nothing can be written there.
+    """
+    with atomic_path(path) as partial, partial.open("wb") as stream:
+        np.savez(stream, allow_pickle=False, **arrays)  # type: ignore[arg-type]
+
+
+def write_json(path: Path, data: Any) -> None:
+    """Write `data` as JSON (no NaN), whole or not at all."""
+    with atomic_path(path) as partial:
+        partial.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+class ProgressBar:
+    """One line on a terminal that shows the simulated time and the speed; silent elsewhere."""
+
+    def __init__(self, label: str) -> None:
+        self._label, self._start, self._shown = label, time.perf_counter(), 0.0
+        self._active = sys.stderr.isatty()
+
+    @property
+    def callback(self) -> Callable[[float, float], None]:
+        """What a long computation calls with the time reached and the duration, in s."""
+        return self._update
+
+    def _update(self, reached: float, duration: float) -> None:
+        now = time.perf_counter()
+        if not self._active or (now - self._shown < 0.1 and reached < duration):
+            return
+        self._shown = now
+        share = reached / duration if duration else 1.0
+        speed = reached / max(now - self._start, 1e-9)
+        filled = "#" * int(30 * share)
+        print(
+            f"\r{self._label} [{filled:<30}] {100 * share:3.0f} %  {reached:.0f} of {duration:.0f} s, {speed:.0f} x",
+            end="", file=sys.stderr, flush=True,
+        )
+
+    def close(self) -> None:
+        """Leave the terminal on a clean line."""
+        if self._active and self._shown:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,56 @@
+"""Proper orthogonal decomposition of a load history."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from owt_model.errors import InputError
+from owt_model.pod import load_basis
+
+RNG = np.random.default_rng(3)
+NODE = np.arange(4)
+
+
+def history(n: int = 400, rank: int = 3) -> np.ndarray:
+    shapes = RNG.standard_normal((rank, 4, 6))
+    weights = RNG.standard_normal((n, rank)) * (10.0 ** -np.arange(rank))
+    return np.asarray(np.tensordot(weights, shapes, axes=1) + RNG.standard_normal((4, 6)))
+
+
+def residual(nodal: np.ndarray, vectors: np.ndarray) -> float:
+    centred = (nodal - nodal.mean(axis=0)).reshape(len(nodal), -1)
+    flat = vectors.reshape(len(vectors), -1)
+    return float(np.linalg.norm(centred - centred @ flat.T @ flat) / np.linalg.norm(centred))
+
+
+@pytest.mark.parametrize("n", [400, 10])
+def test_vectors_span_the_history(n: int) -> None:
+    nodal = history(n)
+    basis = load_basis(nodal, NODE, 3, model_hash="h")
+    assert residual(nodal, basis.vectors) < 1e-13
+    # Negative control: one vector fewer does not.
+    assert residual(nodal, basis.vectors[:2]) > 1e-4
+
+
+def test_truncation_error_is_the_discarded_singular_values() -> None:
+    nodal = RNG.standard_normal((300, 4, 6))
+    basis = load_basis(nodal, NODE, 5, model_hash="h")
+    sigma = basis.singular_values
+    expected = np.sqrt((sigma[5:] ** 2).sum() / (sigma**2).sum())
+    assert residual(nodal, basis.vectors) == pytest.approx(expected, rel=1e-12)
+    # Negative control: shares by sigma instead of sigma squared are wrong.
+    assert residual(nodal, basis.vectors) != pytest.approx(np.sqrt(sigma[5:].sum() / sigma.sum()), rel=1e-2)
+    flat = basis.vectors.reshape(5, -1)
+    np.testing.assert_allclose(flat @ flat.T, np.eye(5), atol=1e-13)
+
+
+def test_mean_is_kept_apart() -> None:
+    nodal = history()
+    basis = load_basis(nodal, NODE, 2, model_hash="h")
+    np.testing.assert_allclose(basis.mean, nodal.mean(axis=0), rtol=1e-14)
+
+
+def test_refuses_more_vectors_than_shapes() -> None:
+    with pytest.raises(InputError, match="this one has 3"):
+        load_basis(history(), NODE, 4, model_hash="h")
+    assert load_basis(history(), NODE, 0, model_hash="h").vectors.shape == (0, 4, 6)

@@ -121,6 +121,12 @@ class LoadBasis:
     mean: Float[np.ndarray, "loaded 6"]
     snapshots: int
 
+    @property
+    def variance_fraction(self) -> float:
+        """Share of the variance of the loads that the kept vectors carry; zero without vectors."""
+        power = self.singular_values**2
+        return float(power[: len(self.vectors)].sum() / power.sum()) if len(power) else 0.0
+
 
 @dataclass(frozen=True)
 class ReducedDescription:

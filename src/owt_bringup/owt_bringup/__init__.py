@@ -1,0 +1,1 @@
+"""The command line, launch files and parameter files."""

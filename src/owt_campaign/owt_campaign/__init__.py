@@ -1,0 +1,1 @@
+"""Case runs and load-case campaigns, without ROS."""

@@ -1,0 +1,29 @@
+from glob import glob
+
+from setuptools import find_packages, setup
+
+NAME = "owt_postproc"
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    packages=find_packages(include=[NAME, f"{NAME}.*"]),
+    package_data={NAME: ["py.typed", "data/*"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/launch", glob("launch/*.py")),
+        (f"share/{NAME}/config", glob("config/*.yaml")),
+    ],
+    install_requires=["setuptools", "jaxtyping", "mcap", "numba", "plotly", "rosbags", "zstandard"],
+    zip_safe=False,
+    maintainer="owt maintainers",
+    maintainer_email="maintainers@owt.invalid",
+    description="Rainflow counting, damage, spectra, bags and the report; the post-processing node.",
+    license="Apache-2.0",
+    entry_points={
+        "console_scripts": [
+            "postproc_node = owt_postproc.node:main",
+        ],
+    },
+)

@@ -1,0 +1,1 @@
+"""Structural response: beam elements, reduction, time integration, stresses, energies."""

@@ -1,0 +1,1 @@
+"""Waves and wave loads: spectrum, kinematics, Morison forces, nodal loads."""

@@ -1,0 +1,123 @@
+"""Rainflow counting of one channel (ASTM E1049-85, section 5.4.4), sample by sample.
+
+The state of a channel is the *residue*, the turning points that no closed cycle has taken yet, and the
+last sample, which becomes a turning point once the signal turns. A channel without samples has an
+empty residue. Nothing else is remembered, so cutting the signal into pieces changes no cycle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+__all__ = ["close_residue", "extract_cycles"]
+
+
+@njit(cache=True, nogil=True)
+def _push(stack, depth, value, ranges, means, halves, found):  # type: ignore[no-untyped-def]
+    """Append a turning point and take out every cycle that it closes; returns (depth, found)."""
+    stack[depth] = value
+    depth += 1
+    while depth >= 3:
+        inner = abs(stack[depth - 2] - stack[depth - 3])
+        if abs(stack[depth - 1] - stack[depth - 2]) < inner:
+            break
+        ranges[found] = inner
+        means[found] = 0.5 * (stack[depth - 2] + stack[depth - 3])
+        if depth == 3:  # the range holds the first point: half a cycle, and the next point is first
+            halves[found] = 1
+            stack[0] = stack[1]
+            stack[1] = stack[2]
+            depth = 2
+        else:
+            halves[found] = 2
+            stack[depth - 3] = stack[depth - 1]
+            depth -= 2
+        found += 1
+    return depth, found
+
+
+@njit(cache=True, nogil=True)
+def extract_cycles(signal, stack, depth, last, ranges, means, halves):  # type: ignore[no-untyped-def]
+    """Count the samples of `signal` on top of a residue.
+
+    Parameters
+    ----------
+    signal : float array [n]
+        Finite samples.
+    stack : float array [>= depth + n + 1]
+        The residue in its first `depth` places; changed in place.
+    depth, last : int, float
+        Length of the residue and last sample so far; `last` has no meaning where `depth` is 0.
+    ranges, means : float arrays [>= depth + n + 1]
+        Receive the cycles closed, in the order in which they close.
+    halves : int array [>= depth + n + 1]
+        Receives 2 for a full cycle, 1 for half a cycle.
+
+    Returns
+    -------
+    depth, last, found : int, float, int
+        The new state and the number of cycles found.
+    """
+    found = 0
+    first = 0
+    n = signal.size
+    if depth == 0:
+        if n == 0:
+            return 0, last, 0
+        stack[0] = signal[0]
+        last = signal[0]
+        depth = 1
+        first = 1
+    if last == stack[depth - 1]:  # constant so far: no direction yet
+        while first < n and signal[first] == last:
+            first += 1
+        if first == n:
+            return depth, last, found
+        last_rising = signal[first] > last
+        last = signal[first]
+        first += 1
+    else:
+        last_rising = last > stack[depth - 1]
+    rising = last_rising
+    for i in range(first, n):
+        value = signal[i]
+        if rising:
+            if value < last:
+                depth, found = _push(stack, depth, last, ranges, means, halves, found)
+                rising = False
+        elif value > last:
+            depth, found = _push(stack, depth, last, ranges, means, halves, found)
+            rising = True
+        last = value
+    return depth, last, found
+
+
+@njit(cache=True, nogil=True)
+def close_residue(residue, depth, last, stack, ranges, means, halves):  # type: ignore[no-untyped-def]
+    """Cycles that remain if the signal ended here: those that its last sample closes, then half cycles.
+
+    `residue` is left as it is; `stack` (length >= depth + 1) is work space. Returns the number found.
+    """
+    if depth == 0:
+        return 0
+    for i in range(depth):
+        stack[i] = residue[i]
+    found = 0
+    if last != stack[depth - 1]:
+        depth, found = _push(stack, depth, last, ranges, means, halves, found)
+    for i in range(1, depth):
+        ranges[found] = abs(stack[i] - stack[i - 1])
+        means[found] = 0.5 * (stack[i] + stack[i - 1])
+        halves[found] = 1
+        found += 1
+    return found
+
+
+def warm_up() -> None:
+    """Compile for the array types in use."""
+    series = np.array([0.0, 1.0, 0.0, 2.0])
+    stack, ranges, means = np.zeros(8), np.zeros(8), np.zeros(8)
+    halves = np.zeros(8, dtype=np.int64)
+    depth, last, _ = extract_cycles(series, stack, 0, 0.0, ranges, means, halves)
+    close_residue(stack, depth, last, np.zeros(8), ranges, means, halves)

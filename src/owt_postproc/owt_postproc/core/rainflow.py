@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float
-from owt_model.errors import InputError
 
+from owt_model.errors import InputError
 from owt_postproc.kernels import rainflow as kernel
 
 __all__ = ["rainflow"]

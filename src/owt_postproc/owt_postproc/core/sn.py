@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import yaml
 from jaxtyping import Float
+
 from owt_model.errors import InputError
 
 __all__ = ["SNCurve", "cycles_to_failure", "miner_damage", "sn_curve", "sn_curves"]
@@ -60,7 +61,7 @@ class SNCurve:
         return float((10.0 ** self.log10_a[0] / self.knee_cycles) ** (1.0 / self.m[0]) * PA_PER_MPA)
 
     @property
-    def coefficients(self) -> Float[np.ndarray, "5"]:
+    def coefficients(self) -> Float[np.ndarray, " coefficient"]:
         """Knee stress in Pa; 1/a and m above it; 1/a and m below it, for stress in Pa."""
         inverse = [10.0**-a / PA_PER_MPA**m for a, m in zip(self.log10_a, self.m, strict=True)]
         return np.array([self.knee_stress_pa, inverse[0], self.m[0], inverse[1], self.m[1]])
@@ -115,14 +116,11 @@ def cycles_to_failure(
         If a range is negative or not finite.
     """
     if not (np.isfinite(stress_range) & (stress_range >= 0.0)).all():
-        raise InputError("stress_range", stress_range, "must be finite and >= 0 Pa", "Give ranges, not stress.")
+        raise InputError("stress_range", stress_range, "must be finite and >= 0 Pa", "Give ranges.")
     knee, inverse_1, m_1, inverse_2, m_2 = curve.coefficients
     with np.errstate(divide="ignore"):
-        return np.where(
-            stress_range >= knee,
-            1.0 / (inverse_1 * stress_range**m_1),
-            1.0 / (inverse_2 * stress_range**m_2),
-        )
+        upper, lower = 1.0 / (inverse_1 * stress_range**m_1), 1.0 / (inverse_2 * stress_range**m_2)
+    return np.asarray(np.where(stress_range >= knee, upper, lower))
 
 
 def miner_damage(

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int, Int32
+
 from owt_model.config import CaseConfig
 from owt_model.contracts import FatigueBlock, StressBlock
 from owt_model.errors import ComputationError, InputError
-
 from owt_postproc.core.sn import SNCurve, sn_curve
 from owt_postproc.kernels import fatigue as kernel
 
@@ -63,12 +63,12 @@ class FatigueModel:
     @property
     def sine(self) -> Float[np.ndarray, " point"]:
         """Sine of the point angles, exact at multiples of 90 degrees."""
-        return np.sin(np.deg2rad(POINT_ANGLE_DEG)).round(15)
+        return np.asarray(np.sin(np.deg2rad(POINT_ANGLE_DEG)).round(15))
 
     @property
     def cosine(self) -> Float[np.ndarray, " point"]:
         """Cosine of the point angles, exact at multiples of 90 degrees."""
-        return np.cos(np.deg2rad(POINT_ANGLE_DEG)).round(15)
+        return np.asarray(np.cos(np.deg2rad(POINT_ANGLE_DEG)).round(15))
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class FatigueResult:
     @property
     def worst_point(self) -> Int[np.ndarray, " end"]:
         """Point of largest damage of each end."""
-        return np.argmax(self.damage, axis=1)
+        return np.asarray(np.argmax(self.damage, axis=1))
 
     @property
     def worst_end(self) -> int:
@@ -204,9 +204,7 @@ def step(model: FatigueModel, state: FatigueState, stress: StressBlock) -> tuple
             break
         capacity = max(2 * capacity, longest)
     samples = state.samples + len(stress.axial)
-    new = FatigueState(
-        state.sequence + 1, samples, stress.last, stack, depth, last, totals, count, histogram
-    )
+    new = FatigueState(state.sequence + 1, samples, stress.last, stack, depth, last, totals, count, histogram)
     return new, _running(model, new, stress)
 
 
@@ -269,7 +267,9 @@ def _check(model: FatigueModel, state: FatigueState, stress: StressBlock) -> Non
     if state.closed:
         raise ComputationError(f"{at}: arrived after the block marked last.")
     if stress.sequence != state.sequence:
-        raise ComputationError(f"{at}: expected sequence {state.sequence}; a block was lost, repeated or reordered.")
+        raise ComputationError(
+            f"{at}: expected sequence {state.sequence}; a block was lost, repeated or reordered."
+        )
     if stress.start != state.samples:
         raise ComputationError(f"{at}: starts at sample {stress.start}, expected {state.samples}.")
     if abs(stress.dt - model.dt) > 1e-12 * model.dt:

@@ -15,7 +15,7 @@ SLICE = 256
 
 
 @njit(cache=True, nogil=True)
-def _power(base, exponent):  # type: ignore[no-untyped-def]
+def _power(base, exponent):
     """``base ** exponent``, by products for the exponents of the common curves."""
     if exponent == 3.0:
         return base * base * base
@@ -26,7 +26,7 @@ def _power(base, exponent):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _damage(stress_range, halves, curve):  # type: ignore[no-untyped-def]
+def _damage(stress_range, halves, curve):
     """Miner damage of one cycle; `curve` is knee stress in Pa, then 1/a and m of either slope, in Pa."""
     if stress_range >= curve[0]:
         return 0.5 * halves * _power(stress_range, curve[2]) * curve[1]
@@ -34,7 +34,7 @@ def _damage(stress_range, halves, curve):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def _bin(stress_range, lowest, bins_per_decade, n_bins):  # type: ignore[no-untyped-def]
+def _bin(stress_range, lowest, bins_per_decade, n_bins):
     """Logarithmic bin of a range; the first and last bin take what lies outside."""
     if stress_range < lowest:
         return 0
@@ -42,20 +42,19 @@ def _bin(stress_range, lowest, bins_per_decade, n_bins):  # type: ignore[no-unty
 
 
 @njit(cache=True, nogil=True)
-def _book(ranges, halves, found, curve, lowest, bins_per_decade, totals, count, histogram):  # type: ignore[no-untyped-def]
+def _book(ranges, halves, found, curve, lowest, bins_per_decade, totals, count, histogram):
     """Add cycles of one channel to its totals (damage, sum of range x count, largest range) and counts."""
     for j in range(found):
         totals[0] += _damage(ranges[j], halves[j], curve)
         totals[1] += 0.5 * halves[j] * ranges[j]
-        if ranges[j] > totals[2]:
-            totals[2] = ranges[j]
+        totals[2] = max(totals[2], ranges[j])
         count[0] += halves[j]
         if histogram.size:
             histogram[_bin(ranges[j], lowest, bins_per_decade, histogram.size)] += halves[j]
 
 
 @njit(cache=True, nogil=True)
-def count_block(  # type: ignore[no-untyped-def]
+def count_block(
     axial, bending_y, bending_z, von_mises, sine, cosine, factor, curve, lowest, bins_per_decade,
     stack, depth, last, totals, count, histogram,
 ):  # fmt: skip
@@ -139,8 +138,8 @@ def count_block(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def close_block(curve, lowest, bins_per_decade, stack, depth, last, totals, count, histogram):  # type: ignore[no-untyped-def]
-    """Book the residues as if the stress ended here: `totals`, `count` and `histogram` change, the residue not.
+def close_block(curve, lowest, bins_per_decade, stack, depth, last, totals, count, histogram):
+    """Book the residues as if the stress ended here; they stay, `totals`, `count` and `histogram` change.
 
     Arguments as in :func:`count_block`; a histogram without bins is left out.
     """
@@ -163,7 +162,6 @@ def warm_up() -> None:
     stack, depth, last = np.zeros((1, 9, 4)), np.zeros((1, 9), dtype=np.int64), np.zeros((1, 9))
     totals, count = np.zeros((1, 9, 3)), np.zeros((1, 9), dtype=np.int64)
     histogram = np.zeros((1, 9, 4), dtype=np.int32)
-    count_block(
-        block, block, block, block, sine, sine, 1.0, curve, 1.0, 1.0, stack, depth, last, totals, count, histogram
-    )
-    close_block(curve, 1.0, 1.0, stack, depth, last, totals, count, histogram)
+    results = stack, depth, last, totals, count, histogram
+    count_block(block, block, block, block, sine, sine, 1.0, curve, 1.0, 1.0, *results)
+    close_block(curve, 1.0, 1.0, *results)

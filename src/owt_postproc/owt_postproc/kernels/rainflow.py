@@ -14,7 +14,7 @@ __all__ = ["close_residue", "extract_cycles"]
 
 
 @njit(cache=True, nogil=True)
-def _push(stack, depth, value, ranges, means, halves, found):  # type: ignore[no-untyped-def]
+def _push(stack, depth, value, ranges, means, halves, found):
     """Append a turning point and take out every cycle that it closes; returns (depth, found)."""
     stack[depth] = value
     depth += 1
@@ -38,7 +38,7 @@ def _push(stack, depth, value, ranges, means, halves, found):  # type: ignore[no
 
 
 @njit(cache=True, nogil=True)
-def extract_cycles(signal, stack, depth, last, ranges, means, halves):  # type: ignore[no-untyped-def]
+def extract_cycles(signal, stack, depth, last, ranges, means, halves):
     """Count the samples of `signal` on top of a residue.
 
     Parameters
@@ -94,7 +94,7 @@ def extract_cycles(signal, stack, depth, last, ranges, means, halves):  # type: 
 
 
 @njit(cache=True, nogil=True)
-def close_residue(residue, depth, last, stack, ranges, means, halves):  # type: ignore[no-untyped-def]
+def close_residue(residue, depth, last, stack, ranges, means, halves):
     """Cycles that remain if the signal ended here: those that its last sample closes, then half cycles.
 
     `residue` is left as it is; `stack` (length >= depth + 1) is work space. Returns the number found.

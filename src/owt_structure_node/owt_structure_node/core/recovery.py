@@ -1,0 +1,154 @@
+"""Forces and stresses at the ends of members (thesis 4.3.2).
+
+The forces that the nodes exert on an element are f_e = K_e u_e + f_fixed, in element axes. Eq. 4.69 has
+the first term only and is wrong under distributed load: f_fixed is what a fully clamped element needs,
+minus the equivalent nodal loads (:class:`owt_model.contracts.LoadBlock`).
+
+Signs. Section forces act on the face that looks along the element: N is positive in tension, M_y and M_z
+are such that the normal stress is N/A + M_y z/I - M_z y/I. At the second node of an element they are the
+element forces, at the first node their negatives.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from owt_model.mesh import Mesh
+from owt_model.section import area, bending_inertia, polar_inertia
+from owt_structure_node.core.assembly import Assembly, element_stiffness, element_transformation
+from owt_structure_node.kernels.stress import add_fixed_end, end_stress
+
+__all__ = [
+    "EndSections",
+    "EndStress",
+    "add_fixed_end_forces",
+    "end_force_map",
+    "end_sections",
+    "fixed_end_columns",
+    "stresses",
+]
+
+
+@dataclass(frozen=True)
+class EndSections:
+    """Which element end each member end is, and what turns its forces into stress.
+
+    Attributes
+    ----------
+    element, side : int arrays [end]
+        Element and its end: 0 first node, 1 second node.
+    sign : float array [end]
+        From element force to section force: -1 at the first, +1 at the second node.
+    factor : float array [end, 4]
+        1/A (4.72) in 1/m2, r/I (4.73) and r/J (4.78) in 1/m3, and the factor of the resultant shear
+        force in eq. 4.77 in 1/m2; r is the outer radius.
+    """
+
+    element: Int[np.ndarray, " end"]
+    side: Int[np.ndarray, " end"]
+    sign: Float[np.ndarray, " end"]
+    factor: Float[np.ndarray, "end 4"]
+
+
+@dataclass(frozen=True)
+class EndStress:
+    """Stress in Pa at member ends [sample, end], as :class:`owt_model.contracts.StressBlock` defines it."""
+
+    axial: Float[np.ndarray, "sample end"]
+    bending_y: Float[np.ndarray, "sample end"]
+    bending_z: Float[np.ndarray, "sample end"]
+    von_mises: Float[np.ndarray, "sample end"]
+
+
+def end_sections(mesh: Mesh) -> EndSections:
+    """Elements, sides and section factors of all member ends, in the order of ``Mesh.end_name``."""
+    element = mesh.end_element
+    side = np.arange(len(element), dtype=np.int64) % 2
+    diameter, thickness = mesh.element_diameter[element], mesh.element_thickness[element]
+    r_o, r_i = diameter / 2.0, diameter / 2.0 - thickness
+    a = area(diameter, thickness)
+    shear = 4.0 / (3.0 * a) * (r_o**2 + r_o * r_i + r_i**2) / (r_o**2 + r_i**2)
+    columns = [
+        1.0 / a,
+        r_o / bending_inertia(diameter, thickness),
+        r_o / polar_inertia(diameter, thickness),
+        shear,
+    ]
+    factor = np.ascontiguousarray(np.array(columns).T)
+    return EndSections(element, side, np.where(side == 0, -1.0, 1.0), factor)
+
+
+def end_force_map(
+    assembly: Assembly, shapes: Float[np.ndarray, "dof mode"], *, jacket_stiffness_factor: float = 1.0
+) -> Float[np.ndarray, "mode end 6"]:
+    """Linear map from modal amplitudes to K_e u_e at the member ends [eq. 4.69].
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The unreduced structure.
+    shapes : float array [dof, mode]
+        Mode shapes over the free degrees of freedom.
+    jacket_stiffness_factor : float
+        As given to :func:`owt_structure_node.core.assembly.assemble`.
+
+    Returns
+    -------
+    float array [mode, end, 6]
+        Forces in N and moments in N m on the element's end per unit amplitude, in element axes.
+    """
+    mesh = assembly.mesh
+    ends = end_sections(mesh)
+    rows = 6 * ends.side[:, None] + np.arange(6)
+    local = element_stiffness(mesh)[ends.element] * jacket_stiffness_factor
+    half = np.take_along_axis(local, rows[:, :, None], axis=1) @ element_transformation(mesh)[ends.element]
+    motion = (assembly.expansion @ shapes).reshape(mesh.n_nodes, 6, -1)
+    of_element = motion[mesh.element_node[ends.element]].reshape(len(rows), 12, -1)
+    return np.ascontiguousarray(np.moveaxis(half @ of_element, -1, 0))
+
+
+def fixed_end_columns(
+    ends: EndSections, loaded_element: Int[np.ndarray, " fixed"]
+) -> Int[np.ndarray, "end 2"]:
+    """Where the fixed-end forces of each member end stand in a load block, -1 for an unloaded element."""
+    place = {int(element): i for i, element in enumerate(loaded_element)}
+    source = [place.get(int(element), -1) for element in ends.element]
+    return np.stack([np.array(source, dtype=np.int64), 6 * ends.side], axis=1)
+
+
+def add_fixed_end_forces(
+    force: Float[np.ndarray, "row end 6"],
+    fixed_end: Float[np.ndarray, "sample fixed 12"],
+    columns: Int[np.ndarray, "end 2"],
+    substeps: int,
+) -> None:
+    """Add the fixed-end forces, linear between load samples, to K_e u_e in place.
+
+    Parameters
+    ----------
+    force : float array [1 + substeps (samples - 1), end, 6]
+        Element end forces, the first row at the first sample of `fixed_end`; changed in place.
+    fixed_end : float array [sample, fixed, 12]
+        Fixed-end forces of the loaded elements.
+    columns : int array [end, 2]
+        From :func:`fixed_end_columns`.
+    substeps : int
+        Integration steps per load step.
+    """
+    add_fixed_end(force, fixed_end, columns, substeps)
+
+
+def stresses(force: Float[np.ndarray, "row end 6"], ends: EndSections) -> EndStress:
+    """Stress at member ends from element end forces [eq. 4.70-4.79].
+
+    The von Mises stress is as printed: resultant moment and resultant shear force, unsigned, with the
+    normal force positive in tension and the torsional shear added by its amount, since a point of the
+    section exists where the two shear stresses add.
+    """
+    shape = force.shape[:2]
+    axial, bending_y, bending_z, von_mises = (np.empty(shape) for _ in range(4))
+    end_stress(force, ends.sign, ends.factor, axial, bending_y, bending_z, von_mises)
+    return EndStress(axial, bending_y, bending_z, von_mises)

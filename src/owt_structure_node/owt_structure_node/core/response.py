@@ -1,0 +1,125 @@
+"""The assembled reduced model in its own modes: what the time integration and the recovery work with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from owt_model.contracts import LoadBasis, ReducedDescription
+from owt_model.mesh import Mesh
+from owt_structure_node.core.assembly import DOF_NAME, Assembly, assemble
+from owt_structure_node.core.modes import dense_modes
+from owt_structure_node.core.reduction import reduce
+
+__all__ = ["MAX_REPORTED_MODES", "ModalModel", "build_modal_model", "describe", "modal_damping"]
+
+#: Modes whose frequencies and energies are reported one by one; totals are over all modes.
+MAX_REPORTED_MODES = 256
+
+
+@dataclass(frozen=True)
+class ModalModel:
+    """Modes of the assembled reduced model.
+
+    Attributes
+    ----------
+    assembly : Assembly
+        The unreduced structure.
+    reduction : str
+        Name of the reduction.
+    omega_squared : float array [mode]
+        In rad2/s2, ascending.
+    shapes : float array [dof, mode]
+        Mass-normalised mode shapes over the free degrees of freedom of the unreduced structure.
+    coordinate : float array [mode, coordinate]
+        Generalised coordinates per unit amplitude of each mode.
+    coordinate_name : tuple of str
+    """
+
+    assembly: Assembly
+    reduction: str
+    omega_squared: Float[np.ndarray, " mode"]
+    shapes: Float[np.ndarray, "dof mode"]
+    coordinate: Float[np.ndarray, "mode coordinate"]
+    coordinate_name: tuple[str, ...]
+
+    @property
+    def node_shapes(self) -> Float[np.ndarray, "node 6 mode"]:
+        """Mode shapes at all nodes of the mesh, supports and interface joints included."""
+        motion = self.assembly.expansion @ self.shapes
+        return np.asarray(motion.reshape(self.assembly.mesh.n_nodes, 6, -1))
+
+    @property
+    def frequency_hz(self) -> Float[np.ndarray, " mode"]:
+        """Undamped natural frequencies in Hz."""
+        return np.asarray(np.sqrt(self.omega_squared) / (2.0 * np.pi))
+
+
+def build_modal_model(
+    mesh: Mesh, reduction: str, basis: LoadBasis | None = None, *, jacket_stiffness_factor: float = 1.0
+) -> ModalModel:
+    """Assemble, reduce and decouple.
+
+    ``full`` decouples the unreduced structure by a dense eigenvalue problem over all degrees of freedom:
+    seconds and some 100 MiB for the OC4 jacket. Its generalised coordinates are those of the transition piece
+    and of the tower, as in every reduction; the internal ones are what the member stresses come from.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The structure.
+    reduction : str
+        ``full``, ``CBnn``, ``CBnnMmm`` or ``Mmm``.
+    basis : LoadBasis, optional
+        Load vectors for the augmentation.
+    jacket_stiffness_factor : float
+        Factor on the stiffness of the members.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As :func:`owt_structure_node.core.reduction.reduce` and the eigenvalue solution.
+    """
+    assembly = assemble(mesh, jacket_stiffness_factor=jacket_stiffness_factor)
+    if reduction == "full":
+        omega2, shapes = dense_modes(assembly.stiffness.toarray(), assembly.mass.toarray())
+        nodes = [mesh.transition_piece, *mesh.tower_node]
+        names = [f"{mesh.node_name[node]}.{direction}" for node in nodes for direction in DOF_NAME]
+        coordinate = np.ascontiguousarray(shapes[mesh.node_dof[nodes].reshape(-1)].T)
+        return ModalModel(assembly, reduction, omega2, shapes, coordinate, tuple(names))
+    reduced = reduce(assembly, reduction, basis)
+    omega2, amplitudes = dense_modes(reduced.stiffness, reduced.mass)
+    return ModalModel(
+        assembly=assembly,
+        reduction=reduction,
+        omega_squared=omega2,
+        shapes=reduced.shapes @ amplitudes,
+        coordinate=np.ascontiguousarray(amplitudes.T),
+        coordinate_name=reduced.coordinate_name,
+    )
+
+
+def modal_damping(
+    omega_squared: Float[np.ndarray, " mode"], alpha: float, beta: float
+) -> tuple[Float[np.ndarray, " mode"], Float[np.ndarray, " mode"]]:
+    """Rayleigh damping of each mode: 2 zeta omega = alpha + beta omega^2 in 1/s, and the ratio zeta."""
+    rate = alpha + beta * omega_squared
+    return rate, np.asarray(rate / (2.0 * np.sqrt(omega_squared)))
+
+
+def describe(model: ModalModel, alpha: float, beta: float) -> ReducedDescription:
+    """Names, frequencies and damping ratios, of the lowest modes where there are very many."""
+    mesh, lowest = model.assembly.mesh, slice(0, MAX_REPORTED_MODES)
+    top = f"{mesh.node_name[mesh.tower_top]}.{DOF_NAME[0]}"
+    return ReducedDescription(
+        model_name=mesh.structure.name,
+        model_hash=mesh.structure.content_hash,
+        reduction=model.reduction,
+        coordinate_name=model.coordinate_name,
+        frequency_hz=model.frequency_hz[lowest],
+        damping_ratio=modal_damping(model.omega_squared, alpha, beta)[1][lowest],
+        end_name=mesh.end_name,
+        tower_top_coordinate=model.coordinate_name.index(top),
+    )

@@ -87,8 +87,8 @@ make_environment() {
     logged "installing uv" "$VENV/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps \
         --require-hashes -r "$VENV/.owt/uv.lock"
     say "packages: $(grep -c '^[A-Za-z0-9]' "$lock") pinned"
-    # copies, not links: the patch below must never reach uv's cache
-    if ! UV_LINK_MODE=copy attempt "installing the packages with uv" "$VENV/bin/uv" pip install --python "$VENV/bin/python" \
+    # copies, not links: the patch below must never reach uv's cache; certificates: those of the system, as pip's
+    if ! UV_LINK_MODE=copy UV_SYSTEM_CERTS=1 attempt "installing the packages with uv" "$VENV/bin/uv" pip install --python "$VENV/bin/python" \
         --no-deps --require-hashes --compile-bytecode -r "$lock"; then
         say "uv failed (see log/setup.log); trying pip, which knows its own index settings"
         logged "installing the packages" "$VENV/bin/python" -m pip install --disable-pip-version-check --no-deps \
@@ -168,7 +168,7 @@ set_up() {
         flock 9
         ! all_up_to_date || return 0
     }
-    date -u +'== set-up of %Y-%m-%d %H:%M:%S UTC' >"$LOG"
+    date -u +'== set-up of %Y-%m-%d %H:%M:%S UTC' >>"$LOG"
     up_to_date environment && [[ -x $VENV/bin/python ]] || make_environment
     use_environment
     up_to_date messages && up_to_date packages || build_workspace

@@ -1,1 +1,1 @@
-"""Pure structural dynamics: beam elements, reduction, time integration, stress; no ROS, no files, no prints."""
+"""Pure structural dynamics: elements, reduction, time integration, stress; no ROS, no files, no prints."""

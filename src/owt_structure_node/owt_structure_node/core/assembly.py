@@ -37,7 +37,7 @@ class Assembly:
     jacket_stiffness, jacket_mass, upper_stiffness, upper_mass : sparse [dof, dof]
         In N/m, N, N m and kg, kg m, kg m2.
     internal : int
-        Number of degrees of freedom inside the jacket; those of the transition piece follow, then the tower's.
+        Number of degrees of freedom inside the jacket; the transition piece's follow, then the tower's.
     mass_kg : dict
         Totals by kind.
     """

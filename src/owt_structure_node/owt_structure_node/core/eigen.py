@@ -60,9 +60,9 @@ def eigen_report(
     Returns
     -------
     dict
-        ``model``, ``model_hash``, ``reduction``, ``degrees_of_freedom``, ``mass_kg`` (steel and lumped bodies),
-        ``masses_kg`` (by kind), ``frequencies_hz``, ``damping_ratio``, ``logdec_percent`` (None where
-        overdamped), ``fixed_interface_frequencies_hz``, ``guyan_stiffness`` and ``guyan_mass`` (6 x 6, of the
+        ``model``, ``model_hash``, ``reduction``, ``degrees_of_freedom``, ``mass_kg`` (steel and lumped
+        bodies), ``masses_kg`` (by kind), ``frequencies_hz``, ``damping_ratio``, ``logdec_percent`` (None
+        where overdamped), ``fixed_interface_frequencies_hz``, ``guyan_stiffness`` and ``guyan_mass`` (6 x 6, of the
         jacket alone, at the transition-piece node).
 
     Raises

@@ -80,8 +80,8 @@ def factorise(matrix: csc_array, *, definite: bool = True) -> Factor:
 def _singular(dof: int | None) -> str:
     where = "" if dof is None else f" at degree of freedom {dof}"
     return (
-        f"the stiffness matrix is singular to working accuracy{where}: the structure is a mechanism or nearly one. "
-        "Check supports, connections, and sections of very different stiffness."
+        f"the stiffness matrix is singular to working accuracy{where}: the structure is a mechanism or "
+        "nearly one. Check supports, connections, and sections of very different stiffness."
     )
 
 

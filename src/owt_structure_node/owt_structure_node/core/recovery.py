@@ -82,22 +82,22 @@ def end_sections(mesh: Mesh) -> EndSections:
 
 
 def end_force_map(
-    assembly: Assembly, shapes: Float[np.ndarray, "dof mode"], *, jacket_stiffness_factor: float = 1.0
-) -> Float[np.ndarray, "mode end 6"]:
-    """Linear map from modal amplitudes to K_e u_e at the member ends [eq. 4.69].
+    assembly: Assembly, shapes: Float[np.ndarray, "dof function"], *, jacket_stiffness_factor: float = 1.0
+) -> Float[np.ndarray, "function end 6"]:
+    """Linear map from the amplitudes of shape functions to K_e u_e at the member ends [eq. 4.69].
 
     Parameters
     ----------
     assembly : Assembly
         The unreduced structure.
-    shapes : float array [dof, mode]
-        Mode shapes over the free degrees of freedom.
+    shapes : float array [dof, function]
+        Mode shapes or basis functions over the free degrees of freedom.
     jacket_stiffness_factor : float
         As given to :func:`owt_structure_node.core.assembly.assemble`.
 
     Returns
     -------
-    float array [mode, end, 6]
+    float array [function, end, 6]
         Forces in N and moments in N m on the element's end per unit amplitude, in element axes.
     """
     mesh = assembly.mesh

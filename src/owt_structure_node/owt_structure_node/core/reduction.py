@@ -247,7 +247,8 @@ def _check(name: ReductionName, assembly: Assembly, reduction: str, basis: LoadB
         raise InputError(
             "structure.reduction",
             reduction,
-            f"asks for {wanted} modes and vectors, the jacket has {assembly.internal} internal degrees of freedom",
+            f"asks for {wanted} modes and vectors, the jacket has {assembly.internal} internal degrees of "
+            "freedom",
             "Use fewer, or full.",
         )
     given = 0 if basis is None else len(basis.vectors)

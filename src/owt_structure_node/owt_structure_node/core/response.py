@@ -31,8 +31,11 @@ class ModalModel:
         Name of the reduction.
     omega_squared : float array [mode]
         In rad2/s2, ascending.
-    shapes : float array [dof, mode]
-        Mass-normalised mode shapes over the free degrees of freedom of the unreduced structure.
+    basis : float array [dof, function]
+        Shapes over the free degrees of freedom of the unreduced structure: the reduction basis, whose
+        internal part a few functions span; for ``full`` the modes themselves.
+    amplitude : float array [mode, function], or None
+        Amplitudes of the basis functions in each mass-normalised mode; None if those are the modes.
     coordinate : float array [mode, coordinate]
         Generalised coordinates per unit amplitude of each mode.
     coordinate_name : tuple of str
@@ -41,14 +44,20 @@ class ModalModel:
     assembly: Assembly
     reduction: str
     omega_squared: Float[np.ndarray, " mode"]
-    shapes: Float[np.ndarray, "dof mode"]
+    basis: Float[np.ndarray, "dof function"]
+    amplitude: Float[np.ndarray, "mode function"] | None
     coordinate: Float[np.ndarray, "mode coordinate"]
     coordinate_name: tuple[str, ...]
 
     @property
-    def node_shapes(self) -> Float[np.ndarray, "node 6 mode"]:
-        """Mode shapes at all nodes of the mesh, supports and interface joints included."""
-        motion = self.assembly.expansion @ self.shapes
+    def shapes(self) -> Float[np.ndarray, "dof mode"]:
+        """Mass-normalised mode shapes over the free degrees of freedom of the unreduced structure."""
+        return self.basis if self.amplitude is None else self.basis @ self.amplitude.T
+
+    @property
+    def node_basis(self) -> Float[np.ndarray, "node 6 function"]:
+        """Basis functions at all nodes of the mesh, supports and interface joints included."""
+        motion = self.assembly.expansion @ self.basis
         return np.asarray(motion.reshape(self.assembly.mesh.n_nodes, 6, -1))
 
     @property
@@ -88,15 +97,17 @@ def build_modal_model(
         nodes = [mesh.transition_piece, *mesh.tower_node]
         names = [f"{mesh.node_name[node]}.{direction}" for node in nodes for direction in DOF_NAME]
         coordinate = np.ascontiguousarray(shapes[mesh.node_dof[nodes].reshape(-1)].T)
-        return ModalModel(assembly, reduction, omega2, shapes, coordinate, tuple(names))
+        return ModalModel(assembly, reduction, omega2, shapes, None, coordinate, tuple(names))
     reduced = reduce(assembly, reduction, basis)
-    omega2, amplitudes = dense_modes(reduced.stiffness, reduced.mass)
+    omega2, modes = dense_modes(reduced.stiffness, reduced.mass)
+    amplitude = np.ascontiguousarray(modes.T)
     return ModalModel(
         assembly=assembly,
         reduction=reduction,
         omega_squared=omega2,
-        shapes=reduced.shapes @ amplitudes,
-        coordinate=np.ascontiguousarray(amplitudes.T),
+        basis=reduced.shapes,
+        amplitude=amplitude,
+        coordinate=amplitude,
         coordinate_name=reduced.coordinate_name,
     )
 

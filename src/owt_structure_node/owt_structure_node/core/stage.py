@@ -53,22 +53,28 @@ class ResponseModel:
     ----------
     load_step : float
         Expected time step of the loads in s.
-    node_shapes : float array [node, 6, mode]
-        Mode shapes at all nodes: their transpose projects nodal loads.
+    node_basis : float array [node, 6, function]
+        Basis functions at all nodes: their transpose projects nodal loads.
+    amplitude : float array [mode, function], or None
+        Amplitudes of the basis functions in each mode; None where the functions are the modes.
     coordinate : float array [mode, coordinate]
         Generalised coordinates per unit modal amplitude.
-    end_force : float array [mode, end, 6]
-        K_e u_e at the member ends per unit modal amplitude, in element axes.
+    strained : int array [strained]
+        Basis functions that strain a member: a few, since the tower has functions of its own.
+    end_force : float array [strained, end, 6]
+        K_e u_e at the member ends per unit amplitude of those, in element axes.
     """
 
     description: ReducedDescription
     oscillators: Oscillators
     load_step: float
     n_elements: int
-    node_shapes: Float[np.ndarray, "node 6 mode"]
+    node_basis: Float[np.ndarray, "node 6 function"]
+    amplitude: Float[np.ndarray, "mode function"] | None
     coordinate: Float[np.ndarray, "mode coordinate"]
     ends: EndSections
-    end_force: Float[np.ndarray, "mode end 6"]
+    strained: Int[np.ndarray, " strained"]
+    end_force: Float[np.ndarray, "strained end 6"]
 
 
 @dataclass(frozen=True)
@@ -77,15 +83,18 @@ class LoadMap:
 
     Attributes
     ----------
-    projection : float array [loaded*6, mode]
-        From nodal to modal loads.
+    projection : float array [loaded*6, function]
+        From nodal loads to generalised loads on the basis functions that any of them moves.
+    to_modes : float array [function, mode], or None
+        From those to modal loads.
     columns : int array [end, 2]
         From fixed-end forces to member ends.
     """
 
     node: Int[np.ndarray, " loaded"]
     element: Int[np.ndarray, " fixed"]
-    projection: Float[np.ndarray, "load mode"]
+    projection: Float[np.ndarray, "load moved"]
+    to_modes: Float[np.ndarray, "moved mode"] | None
     columns: Int[np.ndarray, "end 2"]
 
 
@@ -135,15 +144,19 @@ def build_response_model(case: CaseConfig, mesh: Mesh, basis: LoadBasis | None) 
     alpha, beta = structure.damping.alpha, structure.damping.beta
     model = build_modal_model(mesh, structure.reduction, basis)
     rate, _ = modal_damping(model.omega_squared, alpha, beta)
+    end_force = end_force_map(model.assembly, model.basis)
+    strained = np.flatnonzero(end_force.reshape(len(end_force), -1).any(axis=1))
     return ResponseModel(
         description=describe(model, alpha, beta),
         oscillators=Oscillators(model.omega_squared, rate, structure.dt_s, case.substeps),
         load_step=case.time.dt_s,
         n_elements=mesh.n_elements,
-        node_shapes=model.node_shapes,
+        node_basis=model.node_basis,
+        amplitude=model.amplitude,
         coordinate=model.coordinate,
         ends=end_sections(mesh),
-        end_force=end_force_map(model.assembly, model.shapes),
+        strained=strained,
+        end_force=np.ascontiguousarray(end_force[strained]),
     )
 
 
@@ -172,6 +185,8 @@ def step(model: ResponseModel, state: ResponseState, load: LoadBlock) -> tuple[R
     _check_block(model, state, load)
     loads = state.loads if state.loads is not None else _load_map(model, load)
     modal_load = load.nodal.reshape(len(load.nodal), -1) @ loads.projection
+    if loads.to_modes is not None:
+        modal_load = modal_load @ loads.to_modes
     first = state.motion is None
     if state.motion is None:
         before, rest = static_state(model.oscillators, modal_load[0]), modal_load[1:]
@@ -185,7 +200,8 @@ def step(model: ResponseModel, state: ResponseState, load: LoadBlock) -> tuple[R
     # the fixed-end forces needs it.
     motion = _with_start(before, motion)
     shown = slice(0 if first else 1, None)
-    force = _end_forces(model, motion.displacement)
+    coordinate = motion.displacement if model.amplitude is None else motion.displacement @ model.amplitude
+    force = _end_forces(model, coordinate)
     add_fixed_end_forces(force, fixed_end, loads.columns, model.oscillators.substeps)
     substeps = model.oscillators.substeps
     head = {
@@ -196,7 +212,7 @@ def step(model: ResponseModel, state: ResponseState, load: LoadBlock) -> tuple[R
     }
     motion = Motion(motion.displacement[shown], motion.velocity[shown], motion.acceleration[shown])
     response = Response(
-        modal=_modal_block(model, motion, head),
+        modal=_modal_block(model, motion, coordinate[shown], head),
         stress=_stress_block(model, force[shown], head),
         energy=_energy_block(model, motion, head),
     )
@@ -227,16 +243,23 @@ def _with_start(before: MotionState, motion: Motion) -> Motion:
 
 
 def _end_forces(
-    model: ResponseModel, displacement: Float[np.ndarray, "row mode"]
+    model: ResponseModel, amplitude: Float[np.ndarray, "row function"]
 ) -> Float[np.ndarray, "row end 6"]:
-    n_modes, n_ends = model.end_force.shape[:2]
-    return np.asarray(displacement @ model.end_force.reshape(n_modes, -1)).reshape(-1, n_ends, 6)
+    n_strained, n_ends = model.end_force.shape[:2]
+    force = np.ascontiguousarray(amplitude[:, model.strained]) @ model.end_force.reshape(n_strained, -1)
+    return np.asarray(force).reshape(-1, n_ends, 6)
 
 
-def _modal_block(model: ResponseModel, motion: Motion, head: dict[str, int | float | bool]) -> ModalBlock:
+def _modal_block(
+    model: ResponseModel,
+    motion: Motion,
+    amplitude: Float[np.ndarray, "row function"],
+    head: dict[str, int | float | bool],
+) -> ModalBlock:
+    reported = model.coordinate is model.amplitude  # the basis functions are the coordinates
     return ModalBlock(
         **head,  # type: ignore[arg-type]
-        displacement=motion.displacement @ model.coordinate,
+        displacement=amplitude if reported else motion.displacement @ model.coordinate,
         velocity=motion.velocity @ model.coordinate,
         acceleration=motion.acceleration @ model.coordinate,
     )
@@ -270,7 +293,7 @@ def _energy_block(model: ResponseModel, motion: Motion, head: dict[str, int | fl
 
 
 def _load_map(model: ResponseModel, load: LoadBlock) -> LoadMap:
-    n_nodes, _, n_modes = model.node_shapes.shape
+    n_nodes, _, n_functions = model.node_basis.shape
     for name, index, size in (("node", load.node, n_nodes), ("element", load.element, model.n_elements)):
         if len(index) and not (index.min() >= 0 and index.max() < size):
             raise ComputationError(
@@ -278,10 +301,21 @@ def _load_map(model: ResponseModel, load: LoadBlock) -> LoadMap:
             )
         if len(np.unique(index)) != len(index):
             raise ComputationError(f"nodal loads: the list of {name}s names one of them twice")
-    projection = np.ascontiguousarray(model.node_shapes[load.node].reshape(-1, n_modes))
+    projection = model.node_basis[load.node].reshape(-1, n_functions)
+    moved = np.flatnonzero(projection.any(axis=0))
     return LoadMap(
-        load.node.copy(), load.element.copy(), projection, fixed_end_columns(model.ends, load.element)
+        node=load.node.copy(),
+        element=load.element.copy(),
+        projection=np.ascontiguousarray(projection[:, moved]),
+        to_modes=_columns(model.amplitude, moved),
+        columns=fixed_end_columns(model.ends, load.element),
     )
+
+
+def _columns(
+    amplitude: Float[np.ndarray, "mode function"] | None, chosen: Int[np.ndarray, " chosen"]
+) -> Float[np.ndarray, "chosen mode"] | None:
+    return None if amplitude is None else np.ascontiguousarray(amplitude[:, chosen].T)
 
 
 def _check_block(model: ResponseModel, state: ResponseState, load: LoadBlock) -> None:
@@ -289,8 +323,8 @@ def _check_block(model: ResponseModel, state: ResponseState, load: LoadBlock) ->
     where = f"nodal loads, block {load.sequence}"
     if load.model_hash != model.description.model_hash:
         raise ComputationError(
-            f"{where}: made for structure {load.model_hash[:12]}, this is {model.description.model_hash[:12]} "
-            f"({model.description.model_name})"
+            f"{where}: made for structure {load.model_hash[:12]}, this is "
+            f"{model.description.model_name} {model.description.model_hash[:12]}"
         )
     if state.finished:
         raise ComputationError(f"{where}: comes after the block marked last ({state.sequence - 1})")

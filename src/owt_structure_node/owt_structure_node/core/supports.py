@@ -71,10 +71,10 @@ def _check_part(mesh: Mesh, nodes: Int[np.ndarray, " part_node"]) -> None:
     _, strength, motions = np.linalg.svd(rows, full_matrices=True)
     strength = np.concatenate([strength, np.zeros(6 - len(strength))])[:6]
     if strength[-1] <= _FREE * strength[0]:
-        direction = _MOTION[int(np.abs(motions[-1]).argmax())]
+        motion = _MOTION[int(np.abs(motions[-1]).argmax())]
         raise InputError(
             "supports",
             sorted({mesh.node_name[nodes[i]] for i in fixed_node}),
-            f"must resist every motion: the part of joint {name} is free to move {direction}",
+            f"must resist every motion: the part of joint {name} is free to move {motion}",
             "Fix more degrees of freedom.",
         )

@@ -9,9 +9,7 @@ __all__ = ["average_acceleration", "warm_up"]
 
 
 @njit(cache=True, nogil=True)
-def average_acceleration(  # type: ignore[no-untyped-def]
-    stiffness, damping, step, substeps, load, displacement, velocity, acceleration
-):
+def average_acceleration(stiffness, damping, step, substeps, load, displacement, velocity, acceleration):
     """Integrate x'' + damping x' + stiffness x = load, the load linear between its samples [eq. F.3-F.10].
 
     `load` is [sample, mode]; the output arrays are [1 + substeps (samples - 1), mode] and hold the state at

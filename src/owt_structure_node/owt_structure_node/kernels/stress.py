@@ -9,7 +9,7 @@ __all__ = ["add_fixed_end", "end_stress", "warm_up"]
 
 
 @njit(cache=True, nogil=True)
-def add_fixed_end(force, fixed, column, substeps):  # type: ignore[no-untyped-def]
+def add_fixed_end(force, fixed, column, substeps):
     """Add fixed-end forces, linear between their samples, to end forces.
 
     `force` is [1 + substeps (samples - 1), end, 6], its row 0 at the first sample of `fixed`
@@ -34,7 +34,7 @@ def add_fixed_end(force, fixed, column, substeps):  # type: ignore[no-untyped-de
 
 
 @njit(cache=True, nogil=True)
-def end_stress(force, sign, section, axial, bending_y, bending_z, von_mises):  # type: ignore[no-untyped-def]
+def end_stress(force, sign, section, axial, bending_y, bending_z, von_mises):
     """Stress from the forces [sample, end, 6] on the ends of elements [eq. 4.70-4.79].
 
     `sign` [end] is -1 at the first and +1 at the second node of the element; `section` [end, 4] holds

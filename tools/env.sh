@@ -52,7 +52,7 @@ stamp_of() {
                 src/*/launch/*.py src/*/config/*.yaml)
             ;;
         kernels:*) # numba looks at the time and size of a source file, so that is what counts
-            (cd "$ROOT" && stat -c '%n %.9Y %s' src/"${1#*:}"/"${1#*:}"/kernels{.py,/*.py} requirements.lock .venv/pyvenv.cfg)
+            (cd "$ROOT" && stat -c '%n %.9Y %s' src/"${1#*:}"/"${1#*:}"/kernels{.p[y],/*.py} requirements.lock .venv/pyvenv.cfg)
             return
             ;;
     esac

@@ -1,0 +1,302 @@
+"""The base of the managed nodes: transitions, status, diagnostics, and errors as one line.
+
+A subclass implements ``configure(case)`` and ``advance()``, and where it needs to ``release()``; it
+raises :class:`OwtError` for what cannot be. The base turns that into a refused transition or, while
+running, into an error status, a diagnostic and a deactivation.
+"""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from owt_msgs.msg import Credit, NodeStatus
+from pydantic import BaseModel, ConfigDict, Field
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+from std_msgs.msg import Header
+
+from owt_model.config import CaseConfig
+from owt_model.errors import ComputationError, OwtError
+from owt_ros.parameters import NodeParameters
+from owt_ros.qos import qos_for
+from owt_ros.streams import Inlet, Outlet
+from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, Topic
+from owt_ros.wire import stamp
+
+__all__ = ["RATE_SUFFIX", "NodeOptions", "StageNode"]
+
+#: Ends the name of diagnostics that hold wall time; they are not recorded.
+RATE_SUFFIX = ": rate"
+_SUCCESS, _FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
+
+
+class NodeOptions(BaseModel):
+    """Parameters of a node besides the case."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    lease_s: float = Field(
+        1.5, ge=0.0, le=60.0, description="time in s after which a dead peer is noticed; 0 for never"
+    )
+    wait_s: float = Field(
+        30.0, gt=0.0, le=3600.0, description="longest wait in s for the subscriptions of consumers"
+    )
+
+
+class StageNode(LifecycleNode):
+    """One stage of the chain as a managed node.
+
+    Parameters
+    ----------
+    **kwargs
+        Passed to rclpy's node, e.g. ``context``.
+    """
+
+    ROLE: ClassVar[str] = ""
+    OPTIONS: ClassVar[type[NodeOptions]] = NodeOptions
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(self.ROLE, automatically_declare_parameters_from_overrides=True, **kwargs)
+        self.settings = NodeParameters(self, self.OPTIONS)
+        self.options = self.OPTIONS()
+        self.time_ns = 0
+        self.active = False
+        self.window = 1
+        self._failed = False
+        self._outlets: list[Outlet] = []
+        self._inlets: list[Inlet] = []
+        self._backlog: list[tuple[Callable[[Any], None], Any]] = []
+        self._ticks: list[Timer] = []
+        self._starting: Timer | None = None
+        self._credit_in: Subscription[Credit] | None = None
+        self._credit_out: Any = None
+        self._waiting_since = 0.0
+        self._rate_from = (0.0, 0)
+        self._status = self.create_publisher(NodeStatus, STATUS.name, qos_for(STATUS))
+        self._diagnostics = self.create_publisher(DiagnosticArray, DIAGNOSTICS.name, qos_for(DIAGNOSTICS))
+
+    # --- what a subclass implements ---------------------------------------------------------------
+
+    def configure(self, case: CaseConfig) -> None:
+        """Build the stage, make outlets and inlets."""
+        raise NotImplementedError
+
+    def announce(self) -> None:
+        """Publish what is latched; called when the node becomes active."""
+
+    def advance(self) -> None:
+        """Do what inputs and credits allow; called whenever one of them may have changed."""
+
+    def release(self) -> None:
+        """Drop what `configure` built."""
+
+    # --- what a subclass uses ---------------------------------------------------------------------
+
+    def outlet(self, topic: Topic) -> Outlet:
+        """Publish `topic`."""
+        outlet = Outlet(self, topic, window=self.window, lease_s=self.options.lease_s)
+        self._outlets.append(outlet)
+        return outlet
+
+    def inlet(self, topic: Topic, handler: Callable[..., None], *, raw: bool = False) -> Inlet:
+        """Subscribe to `topic`; `handler` may raise :class:`OwtError`."""
+        inlet = Inlet(
+            self, topic, handler, receive=self._receive, on_dead=self.fail, acknowledge=self._credit_out,
+            consumer=self.ROLE, window=self.window, lease_s=self.options.lease_s, raw=raw,
+        )  # fmt: skip
+        self._inlets.append(inlet)
+        return inlet
+
+    def every(self, period_s: float, callback: Callable[[], None]) -> None:
+        """Call `callback` every `period_s` seconds of wall time while the node is active."""
+        self._ticks.append(self.create_timer(period_s, lambda: self._guarded(callback)))
+
+    def report(self, *, time_ns: int | None = None, done: str | None = None) -> None:
+        """Publish how far the node is; `done` is its result when it has finished."""
+        self.time_ns = self.time_ns if time_ns is None else time_ns
+        code = NodeStatus.RUNNING if done is None else NodeStatus.DONE
+        self._publish_status(code, "", done or "")
+        if done is not None:
+            self.diagnose(DiagnosticStatus.OK, "done")
+
+    def diagnose(self, level: bytes, message: str, *, suffix: str = "", **values: Any) -> DiagnosticArray:
+        """Publish a diagnostic and return it; its stamp is simulated time."""
+        entries = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+        status = DiagnosticStatus(
+            level=level, name=f"{self.ROLE}{suffix}", message=message, hardware_id="owt", values=entries
+        )
+        array = DiagnosticArray(header=Header(stamp=stamp(self.time_ns)), status=[status])
+        self._diagnostics.publish(array)
+        return array
+
+    def fail(self, message: str) -> None:
+        """Report an error once, and stop working."""
+        if self._failed:
+            return
+        self._failed = True
+        message = " ".join(message.split())
+        self.get_logger().error(message)
+        self._publish_status(NodeStatus.ERROR, message, "")
+        self.diagnose(DiagnosticStatus.ERROR, message)
+        if self.active:
+            self.trigger_deactivate()
+
+    # --- inputs and credits -----------------------------------------------------------------------
+
+    def _guarded(self, call: Callable[..., None], *arguments: Any) -> None:
+        """Run `call`; any error becomes the node's error status."""
+        try:
+            call(*arguments)
+        except OwtError as error:
+            self.fail(str(error))
+        except Exception as error:
+            self.get_logger().error(traceback.format_exc())
+            self.fail(f"internal error: {type(error).__name__}: {error}")
+
+    def _receive(self, handle: Callable[[Any], None], message: Any) -> None:
+        """Take a message: now if active, on activation otherwise."""
+        if self._failed:
+            return
+        if self.active and not self._backlog:
+            self._guarded(handle, message)
+        else:
+            self._backlog.append((handle, message))
+
+    def _start(self) -> None:
+        """Catch up with what arrived before activation, and wait for the consumers."""
+        while self._backlog and not self._failed:
+            self._guarded(*self._backlog.pop(0))
+        missing = {name: outlet.topic.label for outlet in self._outlets for name in outlet.missing}
+        if self._failed or (missing and time.monotonic() - self._waiting_since < self.options.wait_s):
+            return
+        if missing:
+            lost = ", ".join(f"{name} (for {label})" for name, label in missing.items())
+            raise ComputationError(
+                f"no subscription of {lost} within {self.options.wait_s:g} s: start it first"
+            )
+        self._stop_starting()
+        self.advance()
+
+    def _stop_starting(self) -> None:
+        if self._starting is not None:
+            self.destroy_timer(self._starting)
+            self._starting = None
+
+    def _on_credit(self, message: Any) -> None:
+        for outlet in self._outlets:
+            if outlet.topic.label == message.topic:
+                outlet.credit.acknowledge(message.consumer, int(message.sequence))
+        if self.active:
+            self._guarded(self.advance)
+
+    def _on_liveliness(self, event: Any) -> None:
+        """A process that acknowledges blocks died."""
+        waiting = sorted({name for outlet in self._outlets for name in outlet.owed_to})
+        if event.not_alive_count_change > 0 and waiting and self.active:
+            self.fail(f"a consumer died ({' or '.join(waiting)}) before it had acknowledged the last block")
+
+    def _publish_rate(self) -> None:
+        now, (then, reached) = time.monotonic(), self._rate_from
+        speed = (self.time_ns - reached) * 1e-9 / max(now - then, 1e-9)
+        self._rate_from = now, self.time_ns
+        blocks = {outlet.topic.label: outlet.credit.sent for outlet in self._outlets if outlet.credit.sent}
+        blocks |= {inlet.topic.label: inlet.guard.received for inlet in self._inlets if inlet.guard.received}
+        values = {"simulated seconds per second": f"{speed:.3g}", **blocks}
+        self.diagnose(DiagnosticStatus.OK, "running", suffix=RATE_SUFFIX, **values)
+
+    def _publish_status(self, code: int, message: str, result: str) -> None:
+        self._status.publish(
+            NodeStatus(node=self.ROLE, code=code, message=message, time_s=self.time_ns * 1e-9, result=result)
+        )
+
+    # --- transitions ------------------------------------------------------------------------------
+
+    def _transition(self, work: Callable[[], None]) -> TransitionCallbackReturn:
+        self._failed = False
+        self._guarded(work)
+        return _FAILURE if self._failed else _SUCCESS
+
+    def _configure(self) -> None:
+        case, self.options = self.settings.read()
+        self.window = case.stream.window
+        self.time_ns = 0
+        profile = qos_for(CREDIT, lease_s=self.options.lease_s)
+        watch = SubscriptionEventCallbacks(
+            liveliness=self._on_liveliness if self.options.lease_s > 0.0 else None
+        )
+        self._credit_out = self.create_publisher(Credit, CREDIT.name, profile)
+        self._credit_in = self.create_subscription(
+            Credit, CREDIT.name, self._on_credit, profile, event_callbacks=watch
+        )
+        self.configure(case)
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Read the parameters and build."""
+        result = self._transition(self._configure)
+        if result != _SUCCESS:
+            self._drop()
+        return result
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Publish what is latched, and start as soon as the consumers are there."""
+        super().on_activate(state)
+        self._waiting_since = time.monotonic()
+        self._rate_from = self._waiting_since, self.time_ns
+        result = self._transition(self.announce)
+        if result != _SUCCESS:
+            super().on_deactivate(state)
+            return result
+        self.active = True
+        self.report()
+        self.diagnose(DiagnosticStatus.OK, "active")
+        self._starting = self.create_timer(0.02, lambda: self._guarded(self._start))
+        self.every(1.0, self._publish_rate)
+        return result
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop working; what arrives from now on is kept for the next activation."""
+        self.active = False
+        self._stop_starting()
+        for timer in self._ticks:
+            self.destroy_timer(timer)
+        self._ticks.clear()
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Drop everything that configure made."""
+        self._drop()
+        return _SUCCESS
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """End, from any state."""
+        self.on_deactivate(state)
+        self._drop()
+        return _SUCCESS
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Back to the unconfigured state after a transition that broke."""
+        return self.on_shutdown(state)
+
+    def _drop(self) -> None:
+        self._guarded(self.release)
+        for outlet in self._outlets:
+            self.destroy_lifecycle_publisher(outlet.publisher)
+        for inlet in self._inlets:
+            self.destroy_subscription(inlet.subscription)
+        if self._credit_in is not None:
+            self.destroy_subscription(self._credit_in)
+            self.destroy_publisher(self._credit_out)
+        self._credit_in = self._credit_out = None
+        for kept in (self._outlets, self._inlets, self._backlog):
+            kept.clear()
+
+    def close(self) -> None:
+        """Release everything, from any state."""
+        self.active = False
+        self._drop()

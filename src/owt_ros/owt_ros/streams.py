@@ -1,0 +1,155 @@
+"""Both ends of a topic inside a node: outlets that respect credits, inlets that check and acknowledge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from owt_msgs.msg import Credit
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode
+from rclpy.publisher import Publisher
+
+from owt_ros.credits import CreditWindow, StreamGuard
+from owt_ros.qos import qos_for
+from owt_ros.topics import Kind, Topic
+from owt_ros.wire import Head, head_of, peek_head
+
+__all__ = ["Inlet", "Outlet"]
+
+
+class Outlet:
+    """A topic that a node publishes.
+
+    A data topic is published block by block while the window is open and every consumer is connected.
+
+    Parameters
+    ----------
+    node : LifecycleNode
+        Owner.
+    topic : Topic
+        What is published.
+    window : int
+        Blocks in flight.
+    lease_s : float
+        See :func:`owt_ros.qos.qos_for`.
+    """
+
+    def __init__(self, node: LifecycleNode, topic: Topic, *, window: int, lease_s: float) -> None:
+        self.topic, self._node = topic, node
+        self.publisher = node.create_lifecycle_publisher(
+            topic.message, topic.name, qos_for(topic, window=window, lease_s=lease_s)
+        )
+        self.credit = CreditWindow(window, topic.consumers)
+        self._connected = not topic.consumers
+        self._ended = topic.kind is not Kind.DATA
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Consumers that are not connected yet.
+
+        A consumer counts when the graph knows its subscription and as many subscriptions are matched as
+        the graph knows: only then does a reliable publisher keep its messages for it.
+        """
+        if self._connected:
+            return ()
+        known = self._node.get_subscriptions_info_by_topic(self.publisher.topic_name)
+        names = {endpoint.node_name for endpoint in known}
+        absent = tuple(name for name in self.topic.consumers if name not in names)
+        if not absent and self.publisher.get_subscription_count() < len(known):
+            absent = self.topic.consumers
+        self._connected = not absent
+        return absent
+
+    @property
+    def is_open(self) -> bool:
+        """Whether a block may be published now."""
+        return self._connected and self.credit.is_open
+
+    @property
+    def owed_to(self) -> tuple[str, ...]:
+        """Consumers that have not acknowledged the block marked last."""
+        return () if self._ended and not self.credit.in_flight else self.topic.consumers
+
+    def send(self, message: Any) -> None:
+        """Publish a message; on a data topic it must be the next block."""
+        if self.topic.kind is Kind.DATA:
+            self.credit.send(int(message.sequence))
+            self._ended = bool(message.last)
+        self.publisher.publish(message)
+
+
+class Inlet:
+    """A topic that a node subscribes to.
+
+    Parameters
+    ----------
+    node : LifecycleNode
+        Owner.
+    topic : Topic
+        What is received.
+    handler : callable
+        Called with the message, in order; on raw data topics with the head and the CDR bytes.
+    receive : callable
+        Takes ``(handle, message)`` from the subscription and decides when to call ``handle(message)``.
+    on_dead : callable
+        Called with a text when the publisher of an unfinished stream died.
+    raw : bool
+        Hand over CDR bytes instead of a message.
+    window, lease_s
+        See :class:`Outlet`.
+    acknowledge : Publisher
+        Of credits.
+    consumer : str
+        Name on the credits.
+    """
+
+    def __init__(
+        self,
+        node: LifecycleNode,
+        topic: Topic,
+        handler: Callable[..., None],
+        *,
+        receive: Callable[[Callable[[Any], None], Any], None],
+        on_dead: Callable[[str], None],
+        acknowledge: Publisher[Credit],
+        consumer: str,
+        window: int,
+        lease_s: float,
+        raw: bool = False,
+    ) -> None:
+        self.topic, self.guard = topic, StreamGuard(topic.label)
+        self._handler, self._on_dead, self._raw = handler, on_dead, raw
+        self._acknowledge, self._consumer = acknowledge, consumer
+        watched = lease_s > 0.0 and topic.kind is Kind.DATA
+        self.subscription = node.create_subscription(
+            topic.message,
+            topic.name,
+            lambda message: receive(self._handle, message),
+            qos_for(topic, window=window, lease_s=lease_s),
+            raw=raw,
+            event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_liveliness if watched else None),
+        )
+
+    def _handle(self, message: Any) -> None:
+        if self.topic.kind is not Kind.DATA:
+            self._handler(message)
+            return
+        head: Head = peek_head(message, self.topic.label) if self._raw else head_of(message)
+        self.guard.check(sequence=head.sequence, time_ns=head.time_ns, end_ns=head.end_ns, last=head.last)
+        if self._raw:
+            self._handler(head, message)
+        else:
+            self._handler(message)
+
+    def acknowledge(self, sequence: int) -> None:
+        """Give credit for all blocks up to `sequence`."""
+        self._acknowledge.publish(
+            Credit(consumer=self._consumer, topic=self.topic.label, sequence=int(sequence))
+        )
+
+    def _on_liveliness(self, event: Any) -> None:
+        if event.not_alive_count_change > 0 and not self.guard.finished:
+            producer = self.topic.producer or "its publisher"
+            got = f"{self.guard.received} blocks received"
+            self._on_dead(f"{producer} died before the last block of {self.topic.label} ({got})")

@@ -1,0 +1,121 @@
+"""The topics of the graph: who sends what to whom. Every other module takes names and types from here.
+
+Names are relative, so that a graph can live in a namespace; in the root namespace they are those of the
+documentation, ``/owt/model`` and so on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from owt_msgs.msg import (
+    Credit,
+    Energy,
+    FatigueState,
+    LoadBasis,
+    MemberStress,
+    ModalState,
+    ModelDescription,
+    NodalLoads,
+    NodeStatus,
+    ReducedModel,
+    SeaState,
+    SurfaceElevation,
+)
+from rosgraph_msgs.msg import Clock
+
+__all__ = [
+    "CLOCK",
+    "CREDIT",
+    "DIAGNOSTICS",
+    "ENERGY",
+    "FATIGUE",
+    "LOAD_BASIS",
+    "MEMBER_STRESS",
+    "MODAL_STATE",
+    "MODEL",
+    "NODAL_LOADS",
+    "POSTPROC",
+    "RECORDED",
+    "REDUCED_MODEL",
+    "SEA_STATE",
+    "STATUS",
+    "STRUCTURE",
+    "SURFACE_ELEVATION",
+    "WAVE",
+    "Kind",
+    "Topic",
+]
+
+WAVE = "wave_node"
+STRUCTURE = "structure_node"
+POSTPROC = "postproc_node"
+
+
+class Kind(Enum):
+    """How a topic is transported."""
+
+    LATCHED = "latched"  # one message, late joiners get it
+    DATA = "data"  # a numbered stream under flow control
+    EVENT = "event"  # small messages without flow control
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One topic of the graph.
+
+    Attributes
+    ----------
+    producer : str
+        Node that publishes it; empty where several do.
+    consumers : tuple of str
+        Nodes that must receive every message; on data topics they acknowledge each block.
+    """
+
+    name: str
+    message: type[Any]
+    kind: Kind
+    producer: str = ""
+    consumers: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """Name as documentation, credits and bags write it."""
+        return f"/{self.name}"
+
+
+MODEL = Topic("owt/model", ModelDescription, Kind.LATCHED, WAVE, (STRUCTURE, POSTPROC))
+SEA_STATE = Topic("owt/sea_state", SeaState, Kind.LATCHED, WAVE, (POSTPROC,))
+LOAD_BASIS = Topic("owt/load_basis", LoadBasis, Kind.LATCHED, WAVE, (STRUCTURE, POSTPROC))
+REDUCED_MODEL = Topic("owt/reduced_model", ReducedModel, Kind.LATCHED, STRUCTURE, (POSTPROC,))
+SURFACE_ELEVATION = Topic("owt/surface_elevation", SurfaceElevation, Kind.DATA, WAVE, (POSTPROC,))
+NODAL_LOADS = Topic("owt/nodal_loads", NodalLoads, Kind.DATA, WAVE, (STRUCTURE, POSTPROC))
+MODAL_STATE = Topic("owt/modal_state", ModalState, Kind.DATA, STRUCTURE, (POSTPROC,))
+MEMBER_STRESS = Topic("owt/member_stress", MemberStress, Kind.DATA, STRUCTURE, (POSTPROC,))
+ENERGY = Topic("owt/energy", Energy, Kind.DATA, STRUCTURE, (POSTPROC,))
+#: Nobody needs to acknowledge it: its producer records it itself.
+FATIGUE = Topic("owt/fatigue", FatigueState, Kind.DATA, POSTPROC)
+CLOCK = Topic("clock", Clock, Kind.EVENT, WAVE, (POSTPROC,))
+DIAGNOSTICS = Topic("diagnostics", DiagnosticArray, Kind.EVENT)
+#: Flow control and supervision: never recorded.
+CREDIT = Topic("owt/credit", Credit, Kind.EVENT)
+STATUS = Topic("owt/status", NodeStatus, Kind.LATCHED)
+
+#: What a bag holds.
+RECORDED = (
+    MODEL,
+    SEA_STATE,
+    LOAD_BASIS,
+    REDUCED_MODEL,
+    SURFACE_ELEVATION,
+    NODAL_LOADS,
+    MODAL_STATE,
+    MEMBER_STRESS,
+    ENERGY,
+    FATIGUE,
+    CLOCK,
+    DIAGNOSTICS,
+)

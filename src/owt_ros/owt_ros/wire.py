@@ -1,0 +1,177 @@
+"""Heads and arrays of messages: stamps, block heads (also straight from CDR bytes), flat arrays with a shape.
+
+The helpers of :mod:`owt_ros.convert`; only the head functions are meant for others.
+"""
+
+from __future__ import annotations
+
+import struct
+from array import array
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from builtin_interfaces.msg import Time
+
+from owt_model.errors import ComputationError
+
+__all__ = [
+    "Head",
+    "doubles",
+    "flat_array",
+    "head_of",
+    "indices",
+    "peek_head",
+    "peek_stamp",
+    "read_doubles",
+    "stamp",
+    "start_index",
+    "time_ns",
+    "uint32s",
+]
+
+_PICO = 1e12
+
+
+def stamp(ns: int) -> Time:
+    """Return simulated time `ns` in ns as a message."""
+    seconds, rest = divmod(int(ns), 1_000_000_000)
+    return Time(sec=seconds, nanosec=rest)
+
+
+def time_ns(time: Any) -> int:
+    """Return a time message in ns."""
+    return int(time.sec) * 1_000_000_000 + int(time.nanosec)
+
+
+def start_index(ns: int, dt: float) -> int:
+    """Return the index of the sample at simulated time `ns` in ns; the inverse of ``Block.time_ns``."""
+    return round(ns * 1e3 / round(dt * _PICO))
+
+
+@dataclass(frozen=True)
+class Head:
+    """What every data message starts with."""
+
+    time_ns: int
+    sequence: int
+    dt: float
+    samples: int
+    last: bool
+
+    @property
+    def start(self) -> int:
+        """Index of the first sample in the stream."""
+        return start_index(self.time_ns, self.dt)
+
+    @property
+    def end_ns(self) -> int:
+        """Simulated time in ns of the sample that follows the last one of this block."""
+        return round((self.start + self.samples) * round(self.dt * _PICO) / 1e3)
+
+
+def _checked(head: Head, kind: str) -> Head:
+    if not (1e-9 <= head.dt <= 1e6) or head.samples < 1:
+        raise ComputationError(
+            f"{kind} {head.sequence}: dt = {head.dt} s with {head.samples} samples is no block of a stream"
+        )
+    return head
+
+
+def head_of(message: Any) -> Head:
+    """Return the head of a data message.
+
+    Raises
+    ------
+    ComputationError
+        If time step or number of samples cannot be.
+    """
+    head = Head(
+        time_ns(message.header.stamp),
+        int(message.sequence),
+        float(message.dt),
+        int(message.samples),
+        bool(message.last),
+    )
+    return _checked(head, _kind(message))
+
+
+def peek_head(cdr: bytes, kind: str) -> Head:
+    """Return the head of a serialised data message of type `kind` without reading the rest.
+
+    Raises
+    ------
+    ComputationError
+        If the bytes hold no such head.
+    """
+    try:
+        order = "<" if cdr[1] & 1 else ">"
+        sec, nanosec, length = struct.unpack_from(f"{order}iII", cdr, 4)
+        # alignment counts from the end of the four bytes of encapsulation
+        position = 4 + (12 + length + 7) // 8 * 8
+        sequence, dt, samples, last = struct.unpack_from(f"{order}QdI?", cdr, position)
+    except (struct.error, IndexError):
+        raise ComputationError(f"{kind}: {len(cdr)} bytes are no such message") from None
+    return _checked(Head(sec * 1_000_000_000 + nanosec, sequence, dt, samples, last), kind)
+
+
+def peek_stamp(cdr: bytes) -> int:
+    """Return the time in ns that a serialised message starts with (a header, or a clock).
+
+    Raises
+    ------
+    ComputationError
+        If the bytes are too few.
+    """
+    try:
+        sec, nanosec = struct.unpack_from("<iI" if cdr[1] & 1 else ">iI", cdr, 4)
+    except (struct.error, IndexError):
+        raise ComputationError(f"{len(cdr)} bytes are no message with a time") from None
+    return int(sec) * 1_000_000_000 + int(nanosec)
+
+
+def _kind(message: Any) -> str:
+    return type(message).__name__.split("__")[-1].lstrip("_")
+
+
+def flat_array(code: str, dtype: Any, values: Any) -> array[Any]:
+    """Return `values` flattened in C order as a message array."""
+    out: array[Any] = array(code)
+    flat = np.ascontiguousarray(values, dtype=dtype).reshape(-1)
+    if flat.size:
+        out.frombytes(flat.data.cast("B"))
+    return out
+
+
+def doubles(values: Any) -> array[Any]:
+    """Return a ``float64[]`` field."""
+    return flat_array("d", np.float64, values)
+
+
+def uint32s(values: Any) -> array[Any]:
+    """Return a ``uint32[]`` field."""
+    return flat_array("I", np.uint32, values)
+
+
+def read_doubles(message: Any, name: str, *shape: int) -> np.ndarray:
+    """Return field `name` as a float64 array of `shape`, without copying; one entry of -1 is free."""
+    data = getattr(message, name)
+    flat = np.frombuffer(data, dtype=np.float64) if len(data) else np.zeros(0)
+    known = int(np.prod([n for n in shape if n >= 0], dtype=np.int64))
+    fits = flat.size % known == 0 if -1 in shape and known else flat.size == known
+    if not fits:
+        wanted = ", ".join("*" if n < 0 else str(n) for n in shape)
+        raise ComputationError(f"{_place(message)}: {name} has {flat.size} values, not those of [{wanted}]")
+    if -1 in shape and known == 0:
+        return np.zeros([max(n, 0) for n in shape])
+    return flat.reshape(shape)
+
+
+def _place(message: Any) -> str:
+    sequence = getattr(message, "sequence", None)
+    return _kind(message) if sequence is None else f"{_kind(message)} {int(sequence)}"
+
+
+def indices(data: Any) -> np.ndarray:
+    """Return an integer field as an index array."""
+    return np.array(data, dtype=np.int64)

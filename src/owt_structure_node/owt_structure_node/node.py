@@ -1,0 +1,95 @@
+"""The structure node: loads in; generalised response, member stress and energy out."""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from typing import Any
+
+from owt_model.config import CaseConfig
+from owt_model.contracts import LoadBlock
+from owt_model.errors import ComputationError
+from owt_model.mesh import build_mesh
+from owt_model.structure import load_structure
+from owt_ros import convert, topics
+from owt_ros.lifecycle import StageNode
+from owt_ros.process import interruptible, run
+from owt_ros.topics import Topic
+from owt_structure_node.core.stage import ResponseModel, build_response_model, initial_state, step
+
+__all__ = ["StructureNode", "main"]
+
+
+class StructureNode(StageNode):
+    """Builds the reduced model when the load basis arrives, and integrates block by block."""
+
+    ROLE = topics.STRUCTURE
+
+    def configure(self, case: CaseConfig) -> None:
+        """Read the structure."""
+        self._case = case
+        self._mesh = build_mesh(load_structure(case.structure.model))
+        self._queue: deque[LoadBlock] = deque()
+        self._model: ResponseModel | None = None
+        self._reduced = self.outlet(topics.REDUCED_MODEL)
+        self._modal = self.outlet(topics.MODAL_STATE)
+        self._stress = self.outlet(topics.MEMBER_STRESS)
+        self._energy = self.outlet(topics.ENERGY)
+        self.inlet(topics.MODEL, self._on_model)
+        self.inlet(topics.LOAD_BASIS, self._on_basis)
+        self._loads = self.inlet(topics.NODAL_LOADS, self._on_loads)
+
+    def _check_hash(self, message: Any, topic: Topic) -> None:
+        """Refuse what belongs to another structure."""
+        own = self._mesh.structure.content_hash
+        if message.model_hash != own:
+            raise ComputationError(
+                f"{topic.label} belongs to model {message.model_hash[:12] or '(none)'}, this node has "
+                f"{own[:12]} ({self._case.structure.model}): give all nodes the same structure.model"
+            )
+
+    def _on_model(self, message: Any) -> None:
+        self._check_hash(message, topics.MODEL)
+
+    def _on_basis(self, message: Any) -> None:
+        self._check_hash(message, topics.LOAD_BASIS)
+        if self._model is not None:
+            raise ComputationError(
+                "a second load basis arrived: clean up and configure before another sea state"
+            )
+        with interruptible():
+            self._model = build_response_model(self._case, self._mesh, convert.to_load_basis(message))
+            self._state = initial_state(self._model)
+        self._reduced.send(convert.reduced_model_message(self._model.description))
+        self.advance()
+
+    def _on_loads(self, message: Any) -> None:
+        self._check_hash(message, topics.NODAL_LOADS)
+        self._queue.append(convert.to_nodal_loads(message))
+        self.advance()
+
+    def advance(self) -> None:
+        """Integrate the blocks that have arrived, as far as the consumers have room."""
+        outlets = (self._modal, self._stress, self._energy)
+        while self._model is not None and self._queue and all(outlet.is_open for outlet in outlets):
+            load = self._queue.popleft()
+            with interruptible():
+                self._state, response = step(self._model, self._state, load)
+            self._modal.send(convert.modal_message(response.modal))
+            self._stress.send(convert.stress_message(response.stress))
+            self._energy.send(convert.energy_message(response.energy))
+            self._loads.acknowledge(load.sequence)
+            self.report(time_ns=load.time_ns, done="{}" if load.last else None)
+
+    def release(self) -> None:
+        """Forget model and state."""
+        self._model = self._state = None  # type: ignore[assignment]
+
+
+def main() -> int:
+    """Run the node."""
+    return run(StructureNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Waves and wave loads: pure functions of a case and a mesh."""

@@ -1,0 +1,184 @@
+"""Wave fields: elevation and kinematics of the components at any points, over the whole record.
+
+Three routes, one interface: :class:`GridField` for components on a frequency grid (single summation over
+pairs and inverse FFT), :class:`~owt_wave_node.core.direct.DirectField` for any components (direct sum), and
+:class:`~owt_wave_node.core.wheeler.WheelerField` for Wheeler stretching. Coordinates are those of the
+waves: x along them, z up from still water; kinematics are [point, quantity, time], the quantities u, w,
+du/dt and dw/dt (local accelerations).
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from owt_wave_node.core.grid import FrequencyGrid
+from owt_wave_node.core.parallel import map_threads
+from owt_wave_node.core.profile import first_order_profile, second_order_level
+from owt_wave_node.core.sea import Waves
+from owt_wave_node.core.transfer import pair_tables, set_down
+from owt_wave_node.kernels import spectra as _kernel
+
+__all__ = ["Field", "GridField", "Prepared"]
+
+Points = Float[np.ndarray, " point"]
+Series = Float[np.ndarray, "point time"]
+Kinematics = Float[np.ndarray, "point 4 time"]
+
+#: Largest exponent in the scaled factors of the difference pairs; exp(700) would overflow.
+MAX_SCALED = 300.0
+#: Points per task of a thread.
+CHUNK = 16
+
+
+class Prepared(Protocol):
+    """Total kinematics of a set of points, transformed to time on demand."""
+
+    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some 4 time"]:
+        """Velocities in m/s and accelerations in m/s2 of the points `index`."""
+        ...
+
+
+class Field(Protocol):
+    """What every route offers."""
+
+    def elevation(self, x: Points) -> tuple[Series, Series]:
+        """First- and second-order elevation in m."""
+        ...
+
+    def first(self, x: Points, z: Points) -> Kinematics:
+        """First-order kinematics, stretched above still water."""
+        ...
+
+    def second(self, x: Points, z: Points) -> Kinematics:
+        """Second-order kinematics; zero at order 1."""
+        ...
+
+    def prepare(self, x: Points, z: Points) -> Prepared:
+        """Do what is common to all times for the total kinematics at points."""
+        ...
+
+
+class GridField:
+    """Components on a frequency grid: Fourier coefficients per point, one inverse FFT per signal."""
+
+    def __init__(self, waves: Waves, grid: FrequencyGrid) -> None:
+        self.waves = waves
+        self.grid = grid
+        self.bins, self.wavenumber, self.omega, self.amplitude, self.dense = _pack(waves, grid)
+        self._tables = None
+        if waves.order == 2:
+            packed = Waves(
+                self.omega, self.wavenumber, self.amplitude, waves.depth, waves.gravity, 2,
+                waves.stretching, waves.dt, waves.n,
+            )  # fmt: skip
+            self._tables = pair_tables(packed)
+            self._set_down = set_down(packed)
+            self._blocks = _blocks(self.wavenumber, waves.depth)
+
+    @property
+    def _n_bins(self) -> int:
+        return self.waves.order * int(self.bins[-1]) + 1
+
+    def elevation(self, x: Points) -> tuple[Series, Series]:
+        """First- and second-order elevation in m [eq. 4.30, 4.43]."""
+
+        def part(x: Points) -> tuple[Series, Series]:
+            first = np.zeros((x.size, self._n_bins), dtype=complex)
+            second = np.zeros_like(first)
+            first[:, self.bins] = self.amplitude * np.exp(-1j * self.wavenumber * x[:, None])
+            if self._tables is None:
+                return self.grid.signal(first), np.zeros((x.size, self.grid.n))
+            _kernel.second_elevation(
+                x, self.wavenumber, self.bins, self.dense, self.amplitude, self._set_down,
+                self._tables.surface_sum, self._tables.surface_difference, second,
+            )  # fmt: skip
+            return self.grid.signal(first), self.grid.signal(second)
+
+        parts = map_threads(part, np.array_split(x, range(CHUNK, x.size, CHUNK)))
+        return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
+
+    def _spectra(
+        self, x: Points, z: Points, *, first: bool, second: bool
+    ) -> Complex[np.ndarray, "point 2 bin"]:
+        """Coefficients of u and w [eq. 4.32, 4.33, 4.50, 4.51]."""
+        waves = self.waves
+        out = np.zeros((x.size, 2, self._n_bins), dtype=complex)
+
+        def part(rows: slice) -> None:
+            if first:
+                horizontal, vertical = first_order_profile(
+                    self.wavenumber, z[rows], water_depth=waves.depth, stretching=waves.stretching
+                )
+                _kernel.first_order(
+                    x[rows], horizontal, vertical, self.wavenumber, self.omega, self.bins, self.amplitude,
+                    waves.gravity, out[rows],
+                )  # fmt: skip
+            if second and self._tables is not None:
+                _kernel.second_velocity(
+                    x[rows], second_order_level(z[rows], waves.stretching), self.wavenumber, self.bins,
+                    self.dense, self.amplitude, waves.depth, waves.peak_wavenumber, self._blocks,
+                    self._tables.velocity_sum, self._tables.velocity_difference, out[rows],
+                )  # fmt: skip
+
+        map_threads(part, [slice(i, min(i + CHUNK, x.size)) for i in range(0, x.size, CHUNK)])
+        return out
+
+    def first(self, x: Points, z: Points) -> Kinematics:
+        """First-order kinematics, stretched above still water."""
+        return self._in_time(self._spectra(x, z, first=True, second=False), np.arange(x.size))
+
+    def second(self, x: Points, z: Points) -> Kinematics:
+        """Second-order kinematics; zero at order 1."""
+        return self._in_time(self._spectra(x, z, first=False, second=True), np.arange(x.size))
+
+    def prepare(self, x: Points, z: Points) -> Prepared:
+        """Coefficients of the total velocities at points."""
+        return _GridPrepared(self, self._spectra(x, z, first=True, second=True))
+
+    def _in_time(
+        self, spectra: Complex[np.ndarray, "point 2 bin"], index: Int[np.ndarray, " some"]
+    ) -> Float[np.ndarray, "some 4 time"]:
+        # Only the bins in use are filled: the transform pads with zeros to its length.
+        half = np.empty((index.size, 4, self._n_bins), dtype=complex)
+        _kernel.expand(spectra, index, self.grid.spacing, half)
+        return self.grid.to_time(half)
+
+
+class _GridPrepared:
+    def __init__(self, field: GridField, spectra: Complex[np.ndarray, "point 2 bin"]) -> None:
+        self._field, self._spectra = field, spectra
+
+    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some 4 time"]:
+        return self._field._in_time(self._spectra, index)
+
+
+def _pack(
+    waves: Waves, grid: FrequencyGrid
+) -> tuple[
+    Int[np.ndarray, " packed"],
+    Float[np.ndarray, " packed"],
+    Float[np.ndarray, " packed"],
+    Complex[np.ndarray, " packed"],
+    bool,
+]:
+    """Bins, wave numbers, frequencies and amplitudes, one per bin, and whether the bins are consecutive.
+
+    Components that share a bin are merged.
+    """
+    bins, first, group = np.unique(grid.bins, return_index=True, return_inverse=True)
+    amplitude = np.zeros(bins.size, dtype=complex)
+    np.add.at(amplitude, group, waves.amplitude)
+    dense = bool(np.all(np.diff(bins) == 1))
+    return bins, waves.wavenumber[first], waves.omega[first], amplitude, dense
+
+
+def _blocks(wavenumber: Float[np.ndarray, " component"], depth: float) -> Int[np.ndarray, " bound"]:
+    """Bounds of ranges of components within which exp((k - k_first) 2 d) stays far from overflow."""
+    bounds = [0]
+    for n, k in enumerate(wavenumber):
+        if (k - wavenumber[bounds[-1]]) * 2.0 * depth > MAX_SCALED:
+            bounds.append(n)
+    return np.array([*bounds, wavenumber.size], dtype=np.int64)

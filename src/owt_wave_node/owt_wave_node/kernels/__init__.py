@@ -1,0 +1,13 @@
+"""Compiled kernels: arrays and scalars only."""
+
+from __future__ import annotations
+
+__all__ = ["warm_up"]
+
+
+def warm_up() -> None:
+    """Compile and cache every kernel for the array types that the package uses."""
+    from owt_wave_node.kernels import morison, spectra, transfer, wheeler
+
+    for module in (transfer, spectra, morison, wheeler):
+        module.warm_up()

@@ -132,7 +132,7 @@ class BagWriter:
         topic, type_name : str
             ``/owt/energy``, ``owt_msgs/msg/Energy``.
         schema : str
-            Definition of the type with its nested types, see :func:`owt_postproc.message_schema.schema_text`.
+            Definition of the type, then its nested ones, each after a line of 80 ``=`` and ``MSG: pkg/Name``.
         type_hash : str, optional
             RIHS01 hash; computed from the schema if it is not given.
         latched : bool

@@ -1,0 +1,275 @@
+"""Reading bags without ROS: by the message definitions that the bag itself holds.
+
+Messages of this project are told by their type, so that a graph in a namespace reads alike.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mcap.reader import make_reader
+
+from owt_model.contracts import (
+    Block,
+    ElevationBlock,
+    EnergyBlock,
+    LoadBlock,
+    ModalBlock,
+    ReducedDescription,
+    StressBlock,
+)
+from owt_model.errors import ComputationError, InputError
+from owt_postproc.bag_recovery import find_files
+
+__all__ = ["BagArrays", "BagFiles", "BagMessage", "read_bag", "read_files", "read_messages", "to_block"]
+
+PREFIX = "owt_msgs/msg/"
+
+
+@dataclass(frozen=True)
+class BagMessage:
+    """One message: where and when it was, and its deserialised fields."""
+
+    topic: str
+    type_name: str
+    log_time_ns: int
+    content: Any
+
+
+@dataclass(frozen=True)
+class BagFiles:
+    """What was put into a bag beside its messages."""
+
+    attachments: dict[str, bytes] = field(default_factory=dict)
+    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    @property
+    def case(self) -> dict[str, Any]:
+        """The case that made the bag, empty if it holds none."""
+        return dict(json.loads(self.attachments["case.json"])) if "case.json" in self.attachments else {}
+
+
+@dataclass(frozen=True)
+class BagArrays:
+    """A whole bag as arrays.
+
+    Attributes
+    ----------
+    streams : dict
+        ``streams[topic][field]``: fields by sample joined over the blocks, [sample, ...]; ``time`` is the
+        simulated time in s; a field without samples is that of the first block.
+    messages : dict
+        ``messages[topic]``: the messages of every other topic, each a dict of its fields.
+    """
+
+    streams: dict[str, dict[str, np.ndarray]]
+    messages: dict[str, list[dict[str, Any]]]
+    files: BagFiles
+
+
+def read_messages(bag: str | Path, *, types: Collection[str] | None = None) -> Iterator[BagMessage]:
+    """Yield the messages of a complete bag in the order of their log time.
+
+    Parameters
+    ----------
+    bag : path
+        Bag folder or MCAP file.
+    types : collection of str, optional
+        Full names of the message types wanted.
+
+    Raises
+    ------
+    InputError
+        If it is not a readable, complete bag.
+    """
+    from rosbags.rosbag2 import Reader, ReaderError
+    from rosbags.typesys import Stores, get_typestore
+
+    from owt_postproc.message_schema import types_of
+
+    path = Path(bag)
+    find_files(path)
+    try:
+        with Reader(path) as reader:
+            store = get_typestore(Stores.EMPTY)
+            wanted = [c for c in reader.connections if types is None or c.msgtype in types]
+            for connection in wanted:
+                definitions = types_of(connection.msgtype, connection.msgdef.data)
+                store.register({name: d for name, d in definitions.items() if name not in store.types})
+            if not wanted:
+                return
+            for connection, log_time, raw in reader.messages(connections=wanted):
+                content = store.deserialize_cdr(raw, connection.msgtype)
+                yield BagMessage(connection.topic, connection.msgtype, log_time, content)
+    except (ReaderError, FileNotFoundError, IsADirectoryError) as error:
+        raise InputError("bag", str(bag), f"cannot be read ({error})", "Try to recover it first.") from None
+
+
+def read_files(bag: str | Path) -> BagFiles:
+    """Attachments and metadata records of a complete bag."""
+    files = BagFiles()
+    for file in find_files(Path(bag)):
+        with file.open("rb") as stream:
+            reader = make_reader(stream)
+            files.attachments.update({item.name: item.data for item in reader.iter_attachments()})
+            files.metadata.update({item.name: dict(item.metadata) for item in reader.iter_metadata()})
+    return files
+
+
+def read_bag(bag: str | Path, *, types: Collection[str] | None = None) -> BagArrays:
+    """Read a bag into arrays.
+
+    Parameters
+    ----------
+    bag, types
+        See :func:`read_messages`.
+    """
+    blocks: dict[str, list[dict[str, Any]]] = {}
+    messages: dict[str, list[dict[str, Any]]] = {}
+    for message in read_messages(bag, types=types):
+        values = _fields(message.content)
+        if "samples" in values and "dt" in values:
+            blocks.setdefault(message.topic, []).append(values)
+        else:
+            messages.setdefault(message.topic, []).append(values)
+    streams = {}
+    for topic in list(blocks):
+        streams[topic] = _join(topic, blocks.pop(topic))
+    return BagArrays(streams, messages, read_files(bag))
+
+
+#: Fields of block messages that do not run over the samples.
+_PER_BLOCK = ("gauge_m", "node", "element")
+
+
+def _fields(content: Any) -> dict[str, Any]:
+    return {
+        name: getattr(content, name) for name in content.__dataclass_fields__ if not name.startswith("__")
+    }
+
+
+def _join(topic: str, blocks: list[dict[str, Any]]) -> dict[str, np.ndarray]:
+    dt = float(blocks[0]["dt"])
+    _check_sequence(topic, [int(values["sequence"]) for values in blocks])
+    samples = [int(values["samples"]) for values in blocks]
+    joined: dict[str, np.ndarray] = {"time": np.arange(sum(samples)) * dt + _seconds(blocks[0]["header"])}
+    for name, value in blocks[0].items():
+        if not isinstance(value, np.ndarray):
+            continue
+        if name in _PER_BLOCK:
+            joined[name] = value
+        else:
+            parts = [values[name].reshape(n, -1) for values, n in zip(blocks, samples, strict=True)]
+            joined[name] = np.concatenate(parts)
+    return joined
+
+
+def _check_sequence(topic: str, sequence: list[int]) -> None:
+    for expected, got in enumerate(sequence, start=sequence[0]):
+        if got != expected:
+            raise ComputationError(
+                f"{topic}: block {got} follows block {expected - 1}; the recording has a gap."
+            )
+
+
+def _seconds(header: Any) -> float:
+    return float(header.stamp.sec + 1e-9 * header.stamp.nanosec)
+
+
+def _head(content: Any) -> dict[str, Any]:
+    dt = float(content.dt)
+    ns = int(content.header.stamp.sec) * 10**9 + int(content.header.stamp.nanosec)
+    return {
+        "sequence": int(content.sequence),
+        "start": round(ns * 1e3 / round(dt * 1e12)),
+        "dt": dt,
+        "last": bool(content.last),
+    }
+
+
+def _elevation(content: Any) -> ElevationBlock:
+    n = int(content.samples)
+    return ElevationBlock(
+        **_head(content),
+        gauge=content.gauge_m.reshape(-1, 2),
+        first_order=content.first_order.reshape(n, -1),
+        total=content.total.reshape(n, -1),
+    )
+
+
+def _load(content: Any) -> LoadBlock:
+    n = int(content.samples)
+    return LoadBlock(
+        **_head(content),
+        model_hash=content.model_hash,
+        node=content.node.astype(np.int64),
+        element=content.element.astype(np.int64),
+        nodal=content.nodal.reshape(n, len(content.node), 6),
+        fixed_end=content.fixed_end.reshape(n, len(content.element), 12),
+    )
+
+
+def _sampled(contract: Callable[..., Block], *names: str) -> Callable[[Any], Block]:
+    def convert(content: Any) -> Block:
+        n = int(content.samples)
+        return contract(**_head(content), **{name: getattr(content, name).reshape(n, -1) for name in names})
+
+    return convert
+
+
+def _energy(content: Any) -> EnergyBlock:
+    n = int(content.samples)
+    return EnergyBlock(
+        **_head(content),
+        potential=content.potential,
+        kinetic=content.kinetic,
+        potential_mode=content.potential_mode.reshape(n, -1),
+        kinetic_mode=content.kinetic_mode.reshape(n, -1),
+    )
+
+
+_CONVERT: dict[str, Callable[[Any], Block]] = {
+    f"{PREFIX}SurfaceElevation": _elevation,
+    f"{PREFIX}NodalLoads": _load,
+    f"{PREFIX}ModalState": _sampled(ModalBlock, "displacement", "velocity", "acceleration"),
+    f"{PREFIX}MemberStress": _sampled(StressBlock, "axial", "bending_y", "bending_z", "von_mises"),
+    f"{PREFIX}Energy": _energy,
+}
+
+
+def to_block(message: BagMessage) -> Block | None:
+    """The block of samples that a message carries, None for messages that carry none.
+
+    Raises
+    ------
+    ComputationError
+        If its arrays do not fit its number of samples.
+    """
+    convert = _CONVERT.get(message.type_name)
+    if convert is None:
+        return None
+    try:
+        return convert(message.content)
+    except ValueError as error:
+        raise ComputationError(
+            f"{message.topic} sequence {message.content.sequence}: malformed ({error})."
+        ) from None
+
+
+def to_reduced(content: Any) -> ReducedDescription:
+    """Description of the reduced model from its message."""
+    return ReducedDescription(
+        model_name=content.model_name,
+        model_hash=content.model_hash,
+        reduction=content.reduction,
+        coordinate_name=tuple(content.coordinate_name),
+        frequency_hz=np.asarray(content.frequency_hz),
+        damping_ratio=np.asarray(content.damping_ratio),
+        end_name=tuple(content.end_name),
+        tower_top_coordinate=int(content.tower_top_coordinate),
+    )

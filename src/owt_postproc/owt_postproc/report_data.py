@@ -1,0 +1,213 @@
+"""What a report shows, collected block by block, alike from a run in process and from a bag."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from owt_model.contracts import (
+    Block,
+    ElevationBlock,
+    EnergyBlock,
+    LoadBlock,
+    ModalBlock,
+    ReducedDescription,
+    StressBlock,
+)
+from owt_model.errors import ComputationError
+from owt_model.mesh import Mesh
+from owt_postproc.core.stage import POINT_ANGLE_DEG, FatigueResult
+
+__all__ = ["Geometry", "ReportCollector", "ReportData", "mesh_geometry"]
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Lines of the structure.
+
+    Attributes
+    ----------
+    node : float array [node, 3]
+        Positions in m.
+    member_node : int array [member, 2]
+        Ends 2 m and 2 m + 1 of the results are first and last node of member m.
+    tower_node : int array [segment, 2]
+        Nodes of the elements that belong to no member.
+    """
+
+    node: Float[np.ndarray, "node 3"]
+    member_node: Int[np.ndarray, "member 2"]
+    tower_node: Int[np.ndarray, "segment 2"]
+
+
+def mesh_geometry(mesh: Mesh) -> Geometry:
+    """Lines of a mesh."""
+    return Geometry(mesh.node_position, mesh.member_node, mesh.element_node[mesh.is_tower])
+
+
+@dataclass(frozen=True)
+class ReportData:
+    """Arrays and facts of one run; SI units.
+
+    Attributes
+    ----------
+    case : mapping
+        The case file as plain data.
+    sea_state : mapping
+        Facts of the sea as realised (``hs_m``, ``tp_s``, ``direction_deg``, ...); may be empty.
+    versions : mapping
+        What made the numbers.
+    wave_time : float array [wave sample]
+        Of elevation and loads, in s.
+    elevation_first, elevation_total : float arrays [wave sample]
+        At the first gauge, in m.
+    wave_force : float array [wave sample, 3]
+        Sum of the nodal loads in N: base shear of the waves in its first two columns.
+    time : float array [sample]
+        Of the response, in s.
+    tower_top : float array [sample, 3], optional
+        Displacement of the tower top in m.
+    stress_end, stress_point : int
+        Member end of largest damage, and the point of largest damage round it.
+    stress_normal, stress_von_mises : float arrays [sample]
+        There, in Pa; normal stress signed, SCF included; von Mises nominal.
+    potential, kinetic : float arrays [sample]
+        Energies in J.
+    """
+
+    case: Mapping[str, Any]
+    sea_state: Mapping[str, Any]
+    versions: Mapping[str, str]
+    reduced: ReducedDescription
+    fatigue: FatigueResult
+    geometry: Geometry | None
+    wave_time: Float[np.ndarray, " wave_sample"]
+    elevation_first: Float[np.ndarray, " wave_sample"]
+    elevation_total: Float[np.ndarray, " wave_sample"]
+    wave_force: Float[np.ndarray, "wave_sample 3"]
+    time: Float[np.ndarray, " sample"]
+    tower_top: Float[np.ndarray, "sample 3"] | None
+    stress_end: int
+    stress_point: int
+    stress_normal: Float[np.ndarray, " sample"]
+    stress_von_mises: Float[np.ndarray, " sample"]
+    potential: Float[np.ndarray, " sample"]
+    kinetic: Float[np.ndarray, " sample"]
+    title: str = "Response and fatigue in one sea state"
+
+    @property
+    def end_name(self) -> str:
+        """Name of the member end whose stress is shown."""
+        return self.reduced.end_name[self.stress_end]
+
+    @property
+    def point_angle_deg(self) -> float:
+        """Angle of the point shown, from element axis y towards z."""
+        return float(POINT_ANGLE_DEG[self.stress_point])
+
+
+@dataclass
+class ReportCollector:
+    """Keeps of every block what a report shows.
+
+    The stress of all member ends is kept until the most damaged one is known: 32 bytes per sample and end.
+    """
+
+    tower_top_coordinate: int
+    _blocks: dict[str, list[Any]] = field(default_factory=dict)
+    _next: dict[str, int] = field(default_factory=dict)
+    _dt: dict[str, float] = field(default_factory=dict)
+
+    def add(self, block: Block) -> None:
+        """Take a block of any stream; others than those shown are ignored.
+
+        Raises
+        ------
+        ComputationError
+            If it is not the next of its stream.
+        """
+        if isinstance(block, ElevationBlock):
+            self._keep("elevation", block, (block.first_order[:, 0], block.total[:, 0]))
+        elif isinstance(block, LoadBlock):
+            self._keep("load", block, (block.nodal[:, :, :3].sum(axis=1),))
+        elif isinstance(block, ModalBlock):
+            top = self.tower_top_coordinate
+            self._keep("modal", block, (block.displacement[:, top : top + 3] if top >= 0 else None,))
+        elif isinstance(block, StressBlock):
+            self._keep("stress", block, (block.axial, block.bending_y, block.bending_z, block.von_mises))
+        elif isinstance(block, EnergyBlock):
+            self._keep("energy", block, (block.potential, block.kinetic))
+
+    def _keep(self, stream: str, block: Block, parts: tuple[Any, ...]) -> None:
+        if block.sequence != self._next.get(stream, 0):
+            expected = self._next.get(stream, 0)
+            raise ComputationError(
+                f"{stream} sequence {block.sequence}: expected {expected}; the stream has a gap."
+            )
+        self._next[stream] = block.sequence + 1
+        self._dt[stream] = block.dt
+        self._blocks.setdefault(stream, []).append(parts)
+
+    def finish(
+        self,
+        *,
+        case: Mapping[str, Any],
+        reduced: ReducedDescription,
+        fatigue: FatigueResult,
+        geometry: Geometry | None = None,
+        sea_state: Mapping[str, Any] | None = None,
+        versions: Mapping[str, str] | None = None,
+    ) -> ReportData:
+        """Put the blocks together.
+
+        Raises
+        ------
+        ComputationError
+            If a stream has not delivered anything.
+        """
+        end = fatigue.worst_end
+        point = int(fatigue.worst_point[end])
+        angle = np.deg2rad(POINT_ANGLE_DEG[point])
+        first, total = self._series("elevation", 2)
+        (force,) = self._series("load", 1)
+        (top,) = self._series("modal", 1)
+        potential, kinetic = self._series("energy", 2)
+        blocks = self._parts("stress")
+        axial, bending_y, bending_z, von_mises = (
+            np.concatenate([parts[i][:, end] for parts in blocks]) for i in range(4)
+        )
+        return ReportData(
+            case=case,
+            sea_state=sea_state or {},
+            versions=versions or {},
+            reduced=reduced,
+            fatigue=fatigue,
+            geometry=geometry,
+            wave_time=np.arange(len(total)) * self._dt["elevation"],
+            elevation_first=first,
+            elevation_total=total,
+            wave_force=force,
+            time=np.arange(len(axial)) * self._dt["stress"],
+            tower_top=top,
+            stress_end=end,
+            stress_point=point,
+            stress_normal=fatigue.scf * (axial + bending_y * np.sin(angle) + bending_z * np.cos(angle)),
+            stress_von_mises=von_mises,
+            potential=potential,
+            kinetic=kinetic,
+        )
+
+    def _parts(self, stream: str) -> list[Any]:
+        if stream not in self._blocks:
+            raise ComputationError(f"{stream}: no block has arrived, there is nothing to report.")
+        return self._blocks[stream]
+
+    def _series(self, stream: str, n: int) -> tuple[Any, ...]:
+        blocks = self._parts(stream)
+        return tuple(
+            None if blocks[0][i] is None else np.concatenate([parts[i] for parts in blocks]) for i in range(n)
+        )

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from owt_msgs.msg import Credit, NodeStatus
 from pydantic import BaseModel, ConfigDict, Field
+from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.subscription import Subscription
@@ -33,6 +34,8 @@ __all__ = ["RATE_SUFFIX", "NodeOptions", "StageNode"]
 
 #: Ends the name of diagnostics that hold wall time; they are not recorded.
 RATE_SUFFIX = ": rate"
+#: Timers run on wall time, also under ``use_sim_time``.
+_WALL = Clock(clock_type=ClockType.STEADY_TIME)
 _SUCCESS, _FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
 
 
@@ -115,7 +118,10 @@ class StageNode(LifecycleNode):
 
     def every(self, period_s: float, callback: Callable[[], None]) -> None:
         """Call `callback` every `period_s` seconds of wall time while the node is active."""
-        self._ticks.append(self.create_timer(period_s, lambda: self._guarded(callback)))
+        self._ticks.append(self._timer(period_s, callback))
+
+    def _timer(self, period_s: float, callback: Callable[[], None]) -> Timer:
+        return self.create_timer(period_s, lambda: self._guarded(callback), clock=_WALL)
 
     def report(self, *, time_ns: int | None = None, done: str | None = None) -> None:
         """Publish how far the node is; `done` is its result when it has finished."""
@@ -243,20 +249,23 @@ class StageNode(LifecycleNode):
             self._drop()
         return result
 
+    def _activate(self) -> None:
+        self._waiting_since = time.monotonic()
+        self._rate_from = self._waiting_since, self.time_ns
+        self.announce()
+        self.report()
+        self.diagnose(DiagnosticStatus.OK, "active")
+        self._starting = self._timer(0.02, self._start)
+        self.every(1.0, self._publish_rate)
+
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Publish what is latched, and start as soon as the consumers are there."""
         super().on_activate(state)
-        self._waiting_since = time.monotonic()
-        self._rate_from = self._waiting_since, self.time_ns
-        result = self._transition(self.announce)
-        if result != _SUCCESS:
-            super().on_deactivate(state)
-            return result
-        self.active = True
-        self.report()
-        self.diagnose(DiagnosticStatus.OK, "active")
-        self._starting = self.create_timer(0.02, lambda: self._guarded(self._start))
-        self.every(1.0, self._publish_rate)
+        result = self._transition(self._activate)
+        if result == _SUCCESS:
+            self.active = True
+        else:
+            self.on_deactivate(state)
         return result
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:

@@ -36,7 +36,7 @@ class WaveNode(StageNode):
             (self.outlet(topics.SEA_STATE), convert.sea_state_message(self._stage.sea_state)),
             (self.outlet(topics.LOAD_BASIS), convert.load_basis_message(basis)),
         ]
-        self._clock = self.outlet(topics.CLOCK)
+        self._time = self.outlet(topics.CLOCK)
         self._elevation = self.outlet(topics.SURFACE_ELEVATION)
         self._loads = self.outlet(topics.NODAL_LOADS)
         self._pace = Pace(case.stream.rate)
@@ -58,7 +58,7 @@ class WaveNode(StageNode):
                 elevation, loads = self._stage.elevation_block(self._next), self._stage.load_block(self._next)
             if not self._pace.is_due(loads.time_ns):
                 return
-            self._clock.send(Clock(clock=stamp(loads.time_ns)))
+            self._time.send(Clock(clock=stamp(loads.time_ns)))
             self._elevation.send(convert.elevation_message(elevation))
             self._loads.send(convert.nodal_loads_message(loads))
             self._next += 1

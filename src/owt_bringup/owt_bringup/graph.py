@@ -1,0 +1,204 @@
+"""Runs the whole graph: three processes over DDS, configured, activated and watched, one bag at the end."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lifecycle_msgs.msg import Transition
+
+from owt_bringup.domain import own_domain
+from owt_bringup.nodes import NODES
+from owt_bringup.process import Child, find_executable, stop_all
+from owt_bringup.supervisor import Supervisor
+from owt_model.config import CaseConfig
+from owt_model.errors import InputError, OwtError
+from owt_ros.parameters import parameter_yaml
+from owt_ros.topics import POSTPROC
+
+__all__ = ["GraphResult", "Timeouts", "run_graph"]
+
+
+@dataclass(frozen=True)
+class Timeouts:
+    """Longest times in s.
+
+    Attributes
+    ----------
+    start : float
+        Until the processes can be reached.
+    configure : float
+        Until all nodes are configured; the wave node computes its record then.
+    stall : float
+        Without any progress of simulated time.
+    """
+
+    start: float = 60.0
+    configure: float = 1800.0
+    stall: float = 120.0
+
+
+@dataclass(frozen=True)
+class GraphResult:
+    """What a run leaves.
+
+    Attributes
+    ----------
+    bag : Path
+        The complete bag; the nodes' logs lie in its folder ``log``.
+    statistics : dict
+        What the postproc node hands over: ``stress_samples``, ``largest_damage``, ``messages`` per topic.
+    seconds : dict
+        Wall time of ``start``, ``configure``, ``run`` and ``stop`` in s.
+    """
+
+    bag: Path
+    statistics: dict[str, Any]
+    seconds: dict[str, float]
+    domain: int
+
+
+@contextmanager
+def _signals() -> Iterator[Callable[[], None]]:
+    """Turn SIGINT and SIGTERM into an exception at a place where it does no harm: the function yielded."""
+    received: list[signal.Signals] = []
+
+    def check() -> None:
+        if received and received[0] == signal.SIGINT:
+            raise KeyboardInterrupt
+        if received:
+            raise OwtError(f"interrupted by {received[0].name}")
+
+    if threading.current_thread() is not threading.main_thread():
+        yield check
+        return
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {
+        number: signal.signal(number, lambda n, _: received.append(signal.Signals(n))) for number in numbers
+    }
+    try:
+        yield check
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _environment(domain: int) -> dict[str, str]:
+    """Environment of the nodes: that of this process, in a domain of their own, on this machine only.
+
+    The number of BLAS threads is inherited: as the nodes cut time into the same blocks as the run in one
+    process, equal settings give equal bits.
+    """
+    return {
+        **os.environ,
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
+        "RCUTILS_COLORIZED_OUTPUT": "0",
+        "RCUTILS_LOGGING_USE_STDOUT": "0",
+    }
+
+
+@contextmanager
+def _work_folder(bag: Path) -> Iterator[Path]:
+    """Make a folder beside the bag for parameter file and logs; drop it if nothing is in it worth keeping."""
+    try:
+        bag.parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=f".{bag.name}.run.", dir=bag.parent))
+    except OSError as error:
+        raise InputError(
+            "bag", str(bag), f"cannot be written ({error.strerror})", "Choose a writable folder."
+        ) from None
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _keep_logs(folder: Path, place: Path) -> None:
+    """Copy parameter file and logs into `place`, if it is there."""
+    if place.is_dir():
+        with suppress(OSError, shutil.Error):  # a full disk has been reported already
+            shutil.copytree(folder, place / "log", dirs_exist_ok=True)
+
+
+def run_graph(
+    case: CaseConfig,
+    bag: Path,
+    *,
+    overwrite: bool = False,
+    progress: Callable[[float, float], None] | None = None,
+    timeouts: Timeouts | None = None,
+    domain_id: int | None = None,
+    on_start: Callable[[dict[str, Child]], None] | None = None,
+) -> GraphResult:
+    """Run one case as a ROS 2 graph and record it.
+
+    Parameters
+    ----------
+    case : CaseConfig
+        What to run.
+    bag : Path
+        Folder to record into; it appears under this name when it is complete. A failed run keeps
+        ``.NAME.partial`` beside it, with the nodes' logs.
+    overwrite : bool
+        Replace an existing bag.
+    progress : callable, optional
+        Called with the simulated time reached and the duration, in s.
+    timeouts : Timeouts, optional
+        Longest times.
+    domain_id : int, optional
+        ROS domain; a free one by default.
+    on_start : callable, optional
+        Called with the processes, by node name, once they run.
+
+    Raises
+    ------
+    OwtError
+        In one line: which node failed and why. The other nodes are stopped by then.
+    KeyboardInterrupt
+        On SIGINT, after everything was stopped.
+    """
+    bag, limits = Path(bag).absolute(), timeouts or Timeouts()
+    if bag.exists() and not overwrite:
+        raise InputError("bag", str(bag), "exists already", "Choose another name or remove it.")
+    programs = {node.name: find_executable(node.package, node.name) for node in NODES}
+    children: dict[str, Child] = {}
+    began = {"start": time.monotonic()}
+    with _work_folder(bag) as folder, own_domain(domain_id) as domain, _signals() as should_stop:
+        parameters = folder / "parameters.yaml"
+        options = {POSTPROC: {"bag": str(bag), "overwrite": overwrite}}
+        parameters.write_text(parameter_yaml(case, options), encoding="utf-8")
+        arguments = ["--ros-args", "--disable-external-lib-logs", "--params-file", str(parameters)]
+        try:
+            for name, program in programs.items():
+                log = folder / f"{name}.log"
+                children[name] = Child(name, [str(program), *arguments], log, _environment(domain))
+            if on_start is not None:
+                on_start(children)
+            with Supervisor(domain, children, should_stop) as graph:
+                graph.await_services(limits.start)
+                began["configure"] = time.monotonic()
+                graph.change_states(list(children), Transition.TRANSITION_CONFIGURE, limits.configure)
+                began["run"] = time.monotonic()
+                for name in children:
+                    graph.change_states([name], Transition.TRANSITION_ACTIVATE, limits.start)
+                statistics = graph.watch(progress, case.time.duration_s, limits.stall)
+            began["stop"] = time.monotonic()
+            stop_all(children.values())
+        except BaseException:
+            stop_all(children.values())
+            _keep_logs(folder, bag.parent / f".{bag.name}.partial")
+            raise
+        _keep_logs(folder, bag)
+    moments = [*began.values(), time.monotonic()]
+    seconds = {name: moments[i + 1] - moments[i] for i, name in enumerate(began)}
+    return GraphResult(bag, statistics, seconds, domain)

@@ -1,0 +1,139 @@
+"""Child processes of the bring-up: found through the ament index, logged to a file, never left behind.
+
+Each child leads its own process group, so that a Ctrl-C reaches only the bring-up, which ends its
+children in order. A child asks the kernel to be told when the bring-up dies
+(:mod:`owt_ros.process`). No shell is involved.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+
+from owt_model.errors import InputError
+from owt_ros.process import PARENT_VARIABLE
+
+__all__ = ["Child", "find_executable", "stop_all"]
+
+#: Seconds that children have to end by themselves after SIGTERM.
+PATIENCE_S = 4.0
+
+
+def find_executable(package: str, name: str) -> Path:
+    """Return the executable `name` of `package`, as ``ros2 run`` finds it.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        path = Path(get_package_prefix(package)) / "lib" / package / name
+    except PackageNotFoundError:
+        path = Path()
+    if not os.access(path, os.X_OK) or not path.is_file():
+        raise InputError(
+            "executable",
+            f"{package} {name}",
+            "is not installed",
+            "Run ./owt setup, or build and source the workspace.",
+        )
+    return path
+
+
+class Child:
+    """One running executable.
+
+    Parameters
+    ----------
+    name : str
+        Used in messages.
+    command : sequence of str
+        Program and arguments.
+    log : Path
+        Where its standard output and error go.
+    environment : mapping
+        Environment variables.
+
+    Raises
+    ------
+    InputError
+        If it cannot be started.
+    """
+
+    def __init__(self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]) -> None:
+        self.name, self.log = name, log
+        try:
+            with log.open("wb") as output:
+                self._process = subprocess.Popen(
+                    list(command),
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=subprocess.STDOUT,
+                    env={**environment, PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"},
+                    start_new_session=True,
+                )
+        except OSError as error:
+            raise InputError(
+                name, command[0], f"cannot be started ({error.strerror})", "Run ./owt setup."
+            ) from None
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
+    @property
+    def exit_code(self) -> int | None:
+        """Exit code, negative for a signal; None while it runs."""
+        return self._process.poll()
+
+    @property
+    def last_line(self) -> str:
+        """Last line that it wrote; empty if there is none."""
+        lines = (
+            self.log.read_text(encoding="utf-8", errors="replace").split("\n") if self.log.exists() else []
+        )
+        return next((line.strip() for line in reversed(lines) if line.strip()), "")
+
+    def describe_end(self) -> str:
+        """Say in one line how it ended."""
+        code = self.exit_code
+        if code is None:
+            return f"{self.name} is still running"
+        if code < 0:
+            how = f"{self.name} was killed by {signal.Signals(-code).name}"
+        else:
+            how = f"{self.name} ended with exit code {code}"
+        return f"{how}: {self.last_line}" if self.last_line else how
+
+    def signal(self, number: signal.Signals) -> None:
+        """Send a signal to its process group, if it still runs."""
+        if self.exit_code is None:
+            os.killpg(self.pid, number)
+
+    def wait(self, seconds: float) -> bool:
+        """Wait for its end; tell whether it came."""
+        try:
+            self._process.wait(max(seconds, 0.0))
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+
+def stop_all(children: Iterable[Child], *, patience_s: float = PATIENCE_S) -> None:
+    """End all children: SIGTERM, and SIGKILL for those that take longer than `patience_s` seconds."""
+    children = list(children)
+    for child in children:
+        child.signal(signal.SIGTERM)
+    deadline = time.monotonic() + patience_s
+    for child in children:
+        if not child.wait(deadline - time.monotonic()):
+            child.signal(signal.SIGKILL)
+            child.wait(patience_s)

@@ -1,0 +1,159 @@
+"""The bring-up's eye on the graph: changes lifecycle states and watches status and processes."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import Any, Self
+
+import rclpy
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from owt_msgs.msg import NodeStatus
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from owt_bringup.process import Child
+from owt_model.errors import OwtError
+from owt_ros.qos import qos_for
+from owt_ros.topics import POSTPROC, STATUS
+
+__all__ = ["Supervisor"]
+
+_LABELS = {Transition.TRANSITION_CONFIGURE: "configured", Transition.TRANSITION_ACTIVATE: "activated"}
+#: Seconds for which the reason of a refused transition is awaited.
+_REASON_S = 2.0
+
+
+class Supervisor:
+    """Drives one graph; a context manager.
+
+    Parameters
+    ----------
+    domain : int
+        ROS domain of the graph.
+    children : mapping of str to Child
+        Processes by node name.
+    should_stop : callable
+        Raises when the user wants to stop; called often.
+    """
+
+    def __init__(self, domain: int, children: Mapping[str, Child], should_stop: Callable[[], None]) -> None:
+        self._children, self._should_stop = children, should_stop
+        self.status: dict[str, NodeStatus] = {}
+        self._context = Context()
+        rclpy.init(context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+        self._node = Node("owt_bringup", context=self._context, use_global_arguments=False)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        profile = qos_for(STATUS)
+        profile.depth = 100
+        self._node.create_subscription(NodeStatus, STATUS.name, self._on_status, profile)
+        self._change = {
+            name: self._node.create_client(ChangeState, f"{name}/change_state") for name in children
+        }
+
+    def _on_status(self, message: Any) -> None:
+        self.status[message.node] = message
+
+    def check(self) -> None:
+        """Raise :class:`OwtError` for a node that failed or ended."""
+        self._should_stop()
+        for child in self._children.values():
+            if child.exit_code is not None:
+                raise OwtError(child.describe_end())
+        for name, status in self.status.items():
+            if status.code == NodeStatus.ERROR and name in self._children:
+                raise OwtError(f"{name}: {status.message}")
+
+    def spin_until(self, ready: Callable[[], bool], seconds: float, what: str) -> None:
+        """Work until `ready()`.
+
+        Raises
+        ------
+        OwtError
+            If a node fails, a process ends, or it takes longer than `seconds`: "WHAT within SECONDS s".
+        """
+        deadline = time.monotonic() + seconds
+        while not ready():
+            self.check()
+            if time.monotonic() > deadline:
+                raise OwtError(f"{what} within {seconds:g} s")
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def await_services(self, seconds: float) -> None:
+        """Wait until every node can be asked to change its state."""
+
+        def missing() -> list[str]:
+            return [name for name, client in self._change.items() if not client.service_is_ready()]
+
+        self.spin_until(lambda: not missing(), seconds, "the nodes could not be reached")
+
+    def change_states(self, names: Sequence[str], transition: int, seconds: float) -> None:
+        """Ask nodes to change their state and wait for all of them.
+
+        Raises
+        ------
+        OwtError
+            If one refuses, with its reason, or does not answer.
+        """
+        request = ChangeState.Request(transition=Transition(id=transition))
+        futures = {name: self._change[name].call_async(request) for name in names}
+        what = f"{', '.join(names)} could not be {_LABELS[transition]}"
+        self.spin_until(lambda: all(future.done() for future in futures.values()), seconds, what)
+        for name, future in futures.items():
+            if not future.result().success:
+                refusal = f"{name} could not be {_LABELS[transition]}"
+                self.spin_until(lambda: False, _REASON_S, f"{refusal} and gave no reason")
+
+    def watch(
+        self, progress: Callable[[float, float], None] | None, duration: float, stall: float
+    ) -> dict[str, Any]:
+        """Follow the run to its end and return the result of the postproc node.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the simulated time reached and `duration`, in s.
+        duration : float
+            Length of the record in s.
+        stall : float
+            Longest time in s without any progress.
+        """
+        reached, since = -1.0, time.monotonic()
+        while True:
+            status = self.status.get(POSTPROC)
+            if status is not None and status.code == NodeStatus.DONE:
+                return dict(json.loads(status.result))
+            self.check()
+            now = sum(entry.time_s for entry in self.status.values())
+            if now > reached:
+                reached, since = now, time.monotonic()
+                if progress is not None and status is not None:
+                    progress(min(status.time_s, duration), duration)
+            elif time.monotonic() - since > stall:
+                raise OwtError(f"no progress for {stall:g} s: {self._stand()}")
+            self._executor.spin_once(timeout_sec=0.1)
+
+    def _stand(self) -> str:
+        """Say in one line how far each node is."""
+        return ", ".join(
+            f"{name} at {self.status[name].time_s:.1f} s" if name in self.status else f"{name} silent"
+            for name in self._children
+        )
+
+    def __enter__(self) -> Self:
+        """Return itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Leave the graph."""
+        self._executor.shutdown(timeout_sec=1.0)
+        self._node.destroy_node()
+        rclpy.shutdown(context=self._context)

@@ -108,8 +108,10 @@ class LoadBasis:
     ----------
     vectors : float array [vector, loaded, 6]
         Orthonormal spatial load vectors, the most energetic first.
-    singular_values : float array [rank]
-        All singular values of the snapshot matrix whose mean is removed; POV = sigma^2 / snapshots.
+    singular_values : float array [vector]
+        Singular values of the snapshot matrix whose mean is removed; POV = sigma^2 / snapshots.
+    total_variance : float
+        Sum of the squares of all singular values, those of the vectors left out included.
     mean : float array [loaded, 6]
         Mean load, which the snapshots leave out.
     """
@@ -117,15 +119,15 @@ class LoadBasis:
     model_hash: str
     node: Int[np.ndarray, " loaded"]
     vectors: Float[np.ndarray, "vector loaded 6"]
-    singular_values: Float[np.ndarray, " rank"]
+    singular_values: Float[np.ndarray, " vector"]
+    total_variance: float
     mean: Float[np.ndarray, "loaded 6"]
     snapshots: int
 
     @property
     def variance_fraction(self) -> float:
         """Share of the variance of the loads that the kept vectors carry; zero without vectors."""
-        power = self.singular_values**2
-        return float(power[: len(self.vectors)].sum() / power.sum()) if len(power) else 0.0
+        return float((self.singular_values**2).sum()) / self.total_variance if len(self.vectors) else 0.0
 
 
 @dataclass(frozen=True)

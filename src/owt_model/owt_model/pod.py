@@ -7,11 +7,17 @@ from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.sparse.linalg import svds
 
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 
 __all__ = ["load_basis"]
+
+#: Largest residual |X v - sigma u| / sigma_1 of a Lanczos vector that is accepted.
+TOLERANCE = 1e-11
+#: Up to this size the dense decomposition is the faster one.
+DENSE = 200
 
 
 def load_basis(
@@ -23,8 +29,8 @@ def load_basis(
 ) -> LoadBasis:
     """Return the `n_vectors` most energetic spatial vectors of a load history [eq. E.3-E.7].
 
-    The mean is removed first (E.3). The method of snapshots is not used: a thin SVD of the
-    time-by-space matrix keeps the small singular values that the covariance matrix squares away.
+    The mean is removed first (E.3). Lanczos bidiagonalisation finds just the leading singular triplets;
+    it works on the snapshots, not on their covariance, which would square small singular values away.
 
     Parameters
     ----------
@@ -44,26 +50,42 @@ def load_basis(
     """
     n_snapshots = nodal.shape[0]
     mean = nodal.mean(axis=0)
-    if n_vectors == 0:
-        empty = np.zeros((0, *mean.shape))
-        return LoadBasis(model_hash, node, empty, np.zeros(0), mean, n_snapshots)
     snapshots = (nodal - mean).reshape(n_snapshots, -1)
-    # QR first: the SVD then works on a square triangle, whatever the number of snapshots.
-    if snapshots.shape[0] > snapshots.shape[1]:
-        triangle = np.linalg.qr(snapshots, mode="r")
-        _, sigma, shapes = np.linalg.svd(triangle, full_matrices=False)
-    else:
-        _, sigma, shapes = np.linalg.svd(snapshots, full_matrices=False)
-    rank = int(np.count_nonzero(sigma > sigma[0] * np.finfo(float).eps * max(snapshots.shape)))
-    if n_vectors > rank:
+    variance = float(np.vdot(snapshots, snapshots))
+    if n_vectors == 0:
+        return LoadBasis(
+            model_hash, node, np.zeros((0, *mean.shape)), np.zeros(0), variance, mean, n_snapshots
+        )
+    sigma, vectors = _leading(snapshots, n_vectors)
+    floor = np.sqrt(variance) * np.finfo(float).eps * max(snapshots.shape)
+    rank = int(np.count_nonzero(sigma > floor))
+    if rank < n_vectors:
         raise InputError(
             "structure.reduction",
             f"{n_vectors} MTA vectors",
             f"needs a load history with as many independent shapes, this one has {rank}",
             "Use fewer MTA vectors or a longer record.",
         )
-    vectors = shapes[:n_vectors]
     # An SVD leaves the sign open: the largest entry of each vector is made positive.
     largest = vectors[np.arange(n_vectors), np.abs(vectors).argmax(axis=1)]
     vectors = vectors * np.sign(largest)[:, None]
-    return LoadBasis(model_hash, node, vectors.reshape(n_vectors, -1, 6), sigma, mean, n_snapshots)
+    return LoadBasis(model_hash, node, vectors.reshape(n_vectors, -1, 6), sigma, variance, mean, n_snapshots)
+
+
+def _leading(
+    snapshots: Float[np.ndarray, "snapshot dof"], n_vectors: int
+) -> tuple[Float[np.ndarray, " value"], Float[np.ndarray, "value dof"]]:
+    """Leading singular values and right singular vectors, largest first.
+
+    The Lanczos result is taken only if its residuals are small; else the dense decomposition decides.
+    """
+    if min(snapshots.shape) > max(DENSE, 4 * n_vectors) and snapshots.any():
+        start = np.random.default_rng(0).standard_normal(snapshots.shape[0])  # fixed: same bits every run
+        left, sigma, vectors = svds(snapshots, k=n_vectors, solver="propack", v0=start, tol=0)
+        order = np.argsort(sigma)[::-1]
+        left, sigma, vectors = left[:, order], sigma[order], vectors[order]
+        residual = np.linalg.norm(snapshots @ vectors.T - left * sigma, axis=0).max() / sigma[0]
+        if residual <= TOLERANCE:
+            return sigma, vectors
+    _, sigma, vectors = np.linalg.svd(snapshots, full_matrices=False)
+    return sigma[:n_vectors], vectors[:n_vectors]

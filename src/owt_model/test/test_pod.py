@@ -33,10 +33,12 @@ def test_vectors_span_the_history(n: int) -> None:
 
 
 def test_truncation_error_is_the_discarded_singular_values() -> None:
-    nodal = RNG.standard_normal((300, 4, 6))
+    nodal = RNG.standard_normal((300, 4, 6)) * np.linspace(1.0, 3.0, 24).reshape(4, 6)
     basis = load_basis(nodal, NODE, 5, model_hash="h")
-    sigma = basis.singular_values
+    sigma = np.linalg.svd((nodal - nodal.mean(axis=0)).reshape(300, -1), compute_uv=False)
+    np.testing.assert_allclose(basis.singular_values, sigma[:5], rtol=1e-12)
     expected = np.sqrt((sigma[5:] ** 2).sum() / (sigma**2).sum())
+    assert expected == pytest.approx(np.sqrt(1.0 - basis.variance_fraction), rel=1e-10)
     assert residual(nodal, basis.vectors) == pytest.approx(expected, rel=1e-12)
     # Negative control: shares by sigma instead of sigma squared are wrong.
     assert residual(nodal, basis.vectors) != pytest.approx(np.sqrt(sigma[5:].sum() / sigma.sum()), rel=1e-2)
@@ -54,3 +56,18 @@ def test_refuses_more_vectors_than_shapes() -> None:
     with pytest.raises(InputError, match="this one has 3"):
         load_basis(history(), NODE, 4, model_hash="h")
     assert load_basis(history(), NODE, 0, model_hash="h").vectors.shape == (0, 4, 6)
+
+
+def test_lanczos_agrees_with_the_dense_decomposition() -> None:
+    """A history larger than the dense limit: same values and vectors as LAPACK, to round-off of the largest."""
+    shapes = np.linalg.qr(RNG.standard_normal((360, 360)))[0].reshape(360, 60, 6)
+    nodal = np.tensordot(RNG.standard_normal((900, 360)) * 0.9 ** np.arange(360), shapes, axes=1)
+    basis = load_basis(nodal, np.arange(60), 6, model_hash="h")
+    centred = (nodal - nodal.mean(axis=0)).reshape(900, -1)
+    _, sigma, vectors = np.linalg.svd(centred, full_matrices=False)
+    np.testing.assert_allclose(basis.singular_values, sigma[:6], rtol=1e-12)
+    overlap = basis.vectors.reshape(6, -1) @ vectors[:6].T
+    np.testing.assert_allclose(np.abs(overlap), np.eye(6), atol=1e-9)
+    # Negative control: the vectors of the history whose mean is left in are others.
+    _, _, wrong = np.linalg.svd(centred + 1.0, full_matrices=False)
+    assert np.abs(np.abs(basis.vectors.reshape(6, -1) @ wrong[:6].T) - np.eye(6)).max() > 1e-3

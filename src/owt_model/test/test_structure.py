@@ -36,7 +36,11 @@ REFUSED = [
     (change(supports={}), "supports", "at least one"),
     (change(supports={"Z": [True] * 6}), "supports", "not a joint"),
     (change(members={"AB": {"joints": ["A", "Z"], "section": "tube"}}), "members.AB.joints", "not a joint"),
-    (change(members={"AB": {"joints": ["A", "B"], "section": "pipe"}}), "members.AB.section", "not a section"),
+    (
+        change(members={"AB": {"joints": ["A", "B"], "section": "pipe"}}),
+        "members.AB.section",
+        "not a section",
+    ),
     (
         change(members={**CANTILEVER["members"], "BB": {"joints": ["B", "B"], "section": "tube"}}),
         "members.BB",
@@ -44,9 +48,17 @@ REFUSED = [
     ),
     (change(joints={**CANTILEVER["joints"], "C": [0.0, 0.0, 5.0]}), "joints.B", "lies on another"),
     (change(joints={**CANTILEVER["joints"], "C": [1.0, 0.0, 5.0]}), "joints.C", "connected to no member"),
-    (change(interface={"joints": ["A"], "reference_m": [0.0, 0.0, 5.0]}), "interface.joints", "also supports"),
+    (
+        change(interface={"joints": ["A"], "reference_m": [0.0, 0.0, 5.0]}),
+        "interface.joints",
+        "also supports",
+    ),
     (change(sections={"tube": {**TUBE, "thickness_m": -0.1}}), "sections.tube.thickness_m", "greater than 0"),
-    (change(sections={"tube": {**TUBE, "thickness_m": 0.6}}), "sections.*.thickness_m", "half of the diameter"),
+    (
+        change(sections={"tube": {**TUBE, "thickness_m": 0.6}}),
+        "sections.*.thickness_m",
+        "half of the diameter",
+    ),
     (change(rotor_nacelle={"mass_kg": 1.0}), "rotor_nacelle", "needs a tower"),
 ]
 

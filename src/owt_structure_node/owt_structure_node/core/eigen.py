@@ -62,8 +62,8 @@ def eigen_report(
     dict
         ``model``, ``model_hash``, ``reduction``, ``degrees_of_freedom``, ``mass_kg`` (steel and lumped
         bodies), ``masses_kg`` (by kind), ``frequencies_hz``, ``damping_ratio``, ``logdec_percent`` (None
-        where overdamped), ``fixed_interface_frequencies_hz``, ``guyan_stiffness`` and ``guyan_mass`` (6 x 6, of the
-        jacket alone, at the transition-piece node).
+        where overdamped), ``fixed_interface_frequencies_hz``, ``guyan_stiffness``, ``guyan_mass`` (of the
+        jacket alone, 6 x 6, at the transition-piece node).
 
     Raises
     ------

@@ -1,0 +1,232 @@
+"""SubDyn decks: variants of the format, refusals by name, and garbage that is never a traceback."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from owt_model.errors import InputError
+from owt_model.structure import load_structure
+from owt_model.subdyn import parse_subdyn
+
+DECK = """----------- SubDyn MultiMember Support Structure Input File ------------
+A tripod of our own, 3 legs
+-------------------------- SIMULATION CONTROL ---------------------------
+False            Echo        - Echo input data (flag)
+"DEFAULT"        SDdeltaT    - Local integration step
+             3   IntMethod   - Integration method
+True             SttcSolve   - Solve dynamics about static equilibrium point
+-------------------- FEA and CRAIG-BAMPTON PARAMETERS -------------------
+             3   FEMMod      - FEM switch
+             2   NDiv        - Number of sub-elements per member
+            10   Nmodes      - Number of internal modes to retain
+             1   JDampings   - Damping ratios
+             0   GuyanDampMod - Guyan damping
+  0.000, 0.000   RayleighDamp - Rayleigh coefficients
+             6   GuyanDampSize - Guyan damping matrix
+   0.0   0.0   0.0   0.0   0.0   0.0
+   0.0   0.0   0.0   0.0   0.0   0.0
+   0.0   0.0   0.0   0.0   0.0   0.0
+   0.0   0.0   0.0   0.0   0.0   0.0
+   0.0   0.0   0.0   0.0   0.0   0.0
+   0.0   0.0   0.0   0.0   0.0   0.0
+@QR0@---- STRUCTURE JOINTS: joints connect structure members -----------------
+             5   NJoints     - Number of joints (-)
+JointID JointXss JointYss JointZss JointType JointDirX JointDirY JointDirZ JointStiff
+  (-)     (m)      (m)      (m)      (-)       (-)       (-)       (-)     (Nm/rad)
+   1     8.0      0.0    -20.0      1  0.0  0.0  0.0  0.0
+   2    -4.0      7.0    -20.0      1  0.0  0.0  0.0  0.0   ! a comment
+   3    -4.0     -7.0    -21.0      1  0.0  0.0  0.0  0.0
+   4     0.0      0.0     10.0      1  0.0  0.0  0.0  0.0
+   7\t 2.0d0\t 1.0\t 12.0\t 1\t 0.0 0.0 0.0 0.0
+------------------- BASE REACTION JOINTS --------------------------------
+             3   NReact      - Number of joints with reaction forces
+RJointID RctTDXss RctTDYss RctTDZss RctRDXss RctRDYss RctRDZss SSIfile
+  (-)    (flag)   (flag)   (flag)   (flag)   (flag)   (flag)   (string)
+   1       1        1        1        1        1        1       ""
+   2       1        1        1        1        1        1
+   3       1        1        1        0        0        0       ""
+------- INTERFACE JOINTS ------------------------------------------------
+             2   NInterf     - Number of interface joints
+IJointID ItfTDXss ItfTDYss ItfTDZss ItfRDXss ItfRDYss ItfRDZss
+  (-)    (flag)   (flag)   (flag)   (flag)   (flag)   (flag)
+@INTERFACE@
+----------------------------------- MEMBERS -----------------------------
+             4   NMembers    - Number of members
+MemberID MJointID1 MJointID2 MPropSetID1 MPropSetID2 MType COSMID
+  (-)       (-)       (-)        (-)         (-)      (-)    (-)
+@MEMBERS@
+------------------ CIRCULAR BEAM CROSS-SECTION PROPERTIES ---------------
+             3   NPropSets   - Number of cross-sections
+PropSetID  YoungE   ShearG   MatDens   XsecD   XsecT
+  (-)      (N/m2)   (N/m2)   (kg/m3)   (m)     (m)
+   1   2.1D+11   8.0769e10   7850.0   1.2   0.05
+   2   2.1e11    8.0769e10   7850.0   0.8   2.0E-2
+   3   2.1e11    8.0769e10   7850.0   1.2   0.05
+----------------- RECTANGULAR BEAM CROSS-SECTION PROPERTIES -------------
+             0   NPropSets   - Number of cross-sections
+PropSetID YoungE ShearG MatDens XsecSa XsecSb XsecT
+  (-)     (N/m2) (N/m2) (kg/m3) (m) (m) (m)
+------------------------ JOINT ADDITIONAL CONCENTRATED MASSES -----------
+             1   NCmass      - Number of joints with concentrated masses
+CMJointID  JMass  JMXX  JMYY  JMZZ  JMXY  JMXZ  JMYZ  MCGX  MCGY  MCGZ
+  (-)      (kg)   (kg*m^2) ...
+@MASS@
+---------------------------- OUTPUT: SUMMARY & OUTFILE ------------------
+True             SumPrint    - Output a summary file
+END of output channels
+"""
+QR0 = """---- INITIAL RIGID-BODY POSITION ----
+PtfmSurge PtfmSway PtfmHeave PtfmRoll PtfmPitch PtfmYaw
+(m) (m) (m) (deg) (deg) (deg)
+0 0 0 0 0 0
+"""
+PARTS = {
+    "QR0": "",
+    "INTERFACE": "   4  1 1 1 1 1 1\n   7  1 1 1 1 1 1",
+    "MEMBERS": "   1 1 4 1 1 1c 0\n   2 2 4 1 3 1c 0\n   3 3 4 1 1 1c 0\n   5 4 7 2 2 1c 0",
+    "MASS": "   4  5.0e3  1.0 2.0 3.0 0.1 0.2 0.3 0.5 0.6 0.7",
+}
+
+
+def deck(**parts):
+    text = DECK
+    for name, value in (PARTS | parts).items():
+        text = text.replace(f"@{name}@", value)
+    return text
+
+
+def parse(text):
+    return parse_subdyn(text, source="deck.dat")
+
+
+def test_everything_arrives():
+    s = parse(deck())
+    assert s.beam == "timoshenko"
+    assert s.rotary_inertia
+    assert s.elements_per_member == 2
+    assert s.joints["J7"] == (2.0, 1.0, 12.0)
+    assert s.members["M5"].joints == ("J4", "J7")
+    assert s.members["M2"].section == "P1"  # both ends have the same tube under two numbers
+    assert s.sections["P1"].youngs_modulus_pa == 2.1e11
+    assert s.sections["P2"].thickness_m == 0.02
+    assert s.supports["J3"] == (True, True, True, False, False, False)
+    assert s.mudline_z_m == -21.0
+    assert s.interface.joints == ("J4", "J7")
+    assert s.interface.reference_m == (1.0, 0.5, 12.0)  # centroid of the interface, level of the highest
+    mass = s.point_masses["J4"]
+    assert (mass.mass_kg, mass.inertia_kg_m2) == (5e3, (1.0, 2.0, 3.0, 0.1, 0.2, 0.3))
+    assert mass.offset_m == (0.5, 0.6, 0.7)
+    assert (s.tower, s.marine_growth, s.flooding, s.added_mass) == (None,) * 4
+
+
+@pytest.mark.parametrize(
+    "variant",
+    [
+        {"QR0": QR0},
+        {"INTERFACE": "4\n7"},
+        {"INTERFACE": "4 1\n7 1"},
+        {"INTERFACE": "4 1 1 1 1 1 1 1\n7 1 1 1 1 1 1 1"},
+        {"MEMBERS": PARTS["MEMBERS"].replace("1c 0", "")},
+        {"MEMBERS": PARTS["MEMBERS"].replace("1c 0", "1")},
+        {"MEMBERS": PARTS["MEMBERS"].replace("1c 0", "1 -1")},
+    ],
+)
+def test_variants_of_the_format_mean_the_same(variant):
+    assert parse(deck(**variant)).content_hash == parse(deck()).content_hash
+
+
+def test_short_mass_rows_and_other_element():
+    s = parse(deck(MASS="4 1d3 1 2 3").replace("3   FEMMod", "1   FEMMod"))
+    assert s.beam == "euler-bernoulli"
+    assert s.point_masses["J4"].inertia_kg_m2 == (1.0, 2.0, 3.0, 0.0, 0.0, 0.0)
+
+
+def test_numbers_separated_by_commas_and_crlf():
+    text = deck(INTERFACE="4, 1,1,1,1,1,1\n7, 1,1,1,1,1,1").replace("\n", "\r\n")
+    assert parse(text).content_hash == parse(deck()).content_hash
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("3   FEMMod", "2   FEMMod", "FEMMod"),
+        ("2   NDiv", "0   NDiv", "NDiv"),
+        ("2   NDiv", "2.5   NDiv", "NDiv"),
+        ("1     8.0      0.0    -20.0      1", "1     8.0      0.0    -20.0      3", "JointType"),
+        ("1     8.0      0.0", "1     8.0      oops", "JointYss"),
+        ("1     8.0      0.0", "1     8.0      nan", "JointYss"),
+        ("1     8.0      0.0", "1     1e999      0.0", "JointXss"),
+        ('1       ""\n   2', '1  "soil.txt"\n   2', "SSIfile"),
+        ("   4  1 1 1 1 1 1", "   4  1 1 1 0 0 0", "ItfTDXss"),
+        ("   4  1 1 1 1 1 1\n   7  1 1 1 1 1 1", "   4  1\n   7  2", "TPID"),
+        ("   4  1 1 1 1 1 1", "   9  1 1 1 1 1 1", "IJointID"),
+        ("5 4 7 2 2 1c 0", "5 4 7 2 2 1r 0", "MType"),
+        ("5 4 7 2 2 1c 0", "5 4 7 2 2 2 0", "MType.*cable"),
+        ("5 4 7 2 2 1c 0", "5 4 7 2 2 3", "MType.*rigid link"),
+        ("5 4 7 2 2 1c 0", "5 4 7 2 1 1c 0", "MPropSetID2.*tapered|MPropSetID2.*Tapered"),
+        ("5 4 7 2 2 1c 0", "5 4 7 9 9 1c 0", "MPropSetID1"),
+        ("5 4 7 2 2 1c 0", "5 4 8 2 2 1c 0", "MJointID2"),
+        ("5 4 7 2 2 1c 0", "3 4 7 2 2 1c 0", "MemberID.*twice"),
+        ("   4  5.0e3", "   4  -5.0e3", "JMass"),
+        ("   4  5.0e3", "   6  5.0e3", "CMJointID"),
+        ("4   NMembers", "400   NMembers", "NMembers"),
+        ("5   NJoints", "-1   NJoints", "NJoints"),
+        ("3   NReact", "0   NReact", "NReact"),
+        ("2   NInterf", "0   NInterf", "NInterf"),
+        ("FEMMod", "FEMModel", "FEMMod"),
+        ("   2       1        1        1 ", "   2       1        1        x ", "RctTDZss"),
+        ("0.8   2.0E-2", "0.8   0.5", "thickness_m"),
+    ],
+)
+def test_refused_by_name(old, new, message):
+    text = deck()
+    assert old in text
+    with pytest.raises(InputError, match=message):
+        parse(text.replace(old, new, 1))
+
+
+def test_garbage_is_an_input_error():
+    """Cut, shuffled and overwritten decks, and things that are no deck at all."""
+    rng = random.Random(0)
+    lines = deck().splitlines()
+    parsed = 0
+    for _trial in range(400):
+        broken = list(lines)
+        for _ in range(rng.randint(1, 4)):
+            i = rng.randrange(len(broken))
+            kind = rng.randrange(5)
+            if kind == 0:
+                del broken[i]
+            elif kind == 1:
+                broken[i] = broken[i][: rng.randrange(len(broken[i]) + 1)]
+            elif kind == 2:
+                broken[i] = "".join(chr(rng.randrange(1, 300)) for _ in range(40))
+            elif kind == 3:
+                j = rng.randrange(len(broken))
+                broken[i], broken[j] = broken[j], broken[i]
+            else:
+                broken[i] = broken[i].replace(
+                    "1", rng.choice(["-1", "1e400", "", "9" * 400, "0", '"', "1.5"])
+                )
+            if not broken:
+                break
+        try:
+            parse("\n".join(broken))
+            parsed += 1
+        except InputError:
+            pass
+    assert 0 < parsed < 400
+    for text in ("", "\n", "NJoints", "1 NJoints", "\x00\x01", "--- \n" * 5, "a: 1\nb: [2]", deck()[:500]):
+        with pytest.raises(InputError):
+            parse(text)
+
+
+def test_a_deck_loads_by_path(tmp_path):
+    path = tmp_path / "tripod.dat"
+    path.write_text(deck(), encoding="utf-8")
+    assert load_structure(str(path)).elements_per_member == 2
+    path.write_bytes(b"\xff\xfe\x00bad")
+    with pytest.raises(InputError):
+        load_structure(str(path))

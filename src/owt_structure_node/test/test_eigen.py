@@ -1,0 +1,80 @@
+"""The eigenvalue report: its keys, its options, and its refusals."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from owt_model.config import Damping
+from owt_model.errors import InputError
+from owt_model.mesh import build_mesh
+from owt_structure_node import kernels
+from owt_structure_node.core.assembly import assemble
+from owt_structure_node.core.eigen import eigen_report, log_decrement
+from owt_structure_node.core.modes import dense_modes
+
+
+def test_report_is_plain_data(models):
+    report = eigen_report(models.frame())
+    again = json.loads(json.dumps(report, allow_nan=False))
+    assert again == report
+    for key in ("mass_kg", "frequencies_hz", "fixed_interface_frequencies_hz", "guyan_stiffness"):
+        assert report[key]
+    assert len(report["frequencies_hz"]) == 20
+    assert report["frequencies_hz"] == sorted(report["frequencies_hz"])
+    assert np.array(report["guyan_stiffness"]).shape == (6, 6)
+
+
+def test_full_report_is_the_dense_solution(models):
+    assembly = assemble(build_mesh(models.frame()))
+    dense = np.sqrt(dense_modes(assembly.stiffness.toarray(), assembly.mass.toarray())[0]) / (2 * np.pi)
+    report = eigen_report(models.frame(), n_modes=30)
+    assert np.abs(np.array(report["frequencies_hz"]) / dense[:30] - 1).max() < 1e-7
+    held = eigen_report(models.frame(), fixed_interface=True)
+    assert held["frequencies_hz"] == held["fixed_interface_frequencies_hz"]
+    assert held["frequencies_hz"][0] > 1.5 * report["frequencies_hz"][0]
+
+
+def test_reductions_in_the_report(models):
+    """Augmented reductions need a load basis; fewer modes than asked for are simply fewer."""
+    structure = models.frame()
+    mesh = build_mesh(structure)
+    vectors = np.random.default_rng(0).standard_normal((4, mesh.n_nodes, 6))
+    basis = models.load_basis(mesh, vectors)
+    full = np.array(eigen_report(structure)["frequencies_hz"])
+    for name, size in (("CB00", 24), ("CB10", 34), ("M04", 28), ("CB10M04", 38)):
+        report = eigen_report(structure, name, basis=basis, n_modes=30)
+        assert report["degrees_of_freedom"] == size
+        assert len(report["frequencies_hz"]) == min(30, size)
+        assert report["frequencies_hz"][0] == pytest.approx(full[0], rel=1e-2)
+    with pytest.raises(InputError, match="needs 4 load vectors"):
+        eigen_report(structure, "CB10M04")
+
+
+def test_log_decrement():
+    """delta = 2 pi zeta / sqrt(1 - zeta^2): the decay per period of a free oscillator."""
+    zeta = np.array([0.01, 0.2, 0.7])
+    omega = 3.0
+    damped = omega * np.sqrt(1 - zeta**2)
+    decay = np.exp(-zeta * omega * 2 * np.pi / damped)
+    assert np.allclose(log_decrement(zeta), -np.log(decay), rtol=1e-14)
+    assert not np.allclose(log_decrement(zeta), 2 * np.pi * zeta, rtol=1e-3)
+    assert np.isinf(log_decrement(np.array([1.0, 1.5]))).all()
+
+
+def test_overdamped_modes_have_no_decrement(models):
+    report = eigen_report(models.frame(), damping=Damping(alpha=0.0, beta=1.0))
+    assert report["logdec_percent"][-1] is None
+
+
+def test_refusals(models):
+    with pytest.raises(InputError, match="n_modes"):
+        eigen_report(models.frame(), n_modes=0)
+    with pytest.raises(InputError, match=r"structure\.reduction"):
+        eigen_report(models.frame(), "CB5")
+
+
+def test_kernels_warm_up():
+    kernels.warm_up()

@@ -74,6 +74,7 @@ make_environment() {
     local python site_packages lock=$VENV/.owt/requirements.lock flags=()
     python=$(find_python) || fail "missing Python 3.11 to 3.13: apt install python3 python3-dev python3-venv"
     report_missing "$python"
+    local PYTHONPATH= # exported if it was: a distribution's own packages must not count as installed
     say "virtual environment: $("$python" --version)"
     rm -rf "$VENV" "$ROOT/build" "$INSTALL"
     mkdir -p "$VENV/.owt"
@@ -166,7 +167,6 @@ set_up() {
     flock -n 9 || {
         say "waiting for another set-up of this workspace"
         flock 9
-        ! all_up_to_date || return 0
     }
     date -u +'== set-up of %Y-%m-%d %H:%M:%S UTC' >>"$LOG"
     up_to_date environment && [[ -x $VENV/bin/python ]] || make_environment

@@ -29,8 +29,7 @@ def load_basis(
 ) -> LoadBasis:
     """Return the `n_vectors` most energetic spatial vectors of a load history [eq. E.3-E.7].
 
-    The mean is removed first (E.3). Lanczos bidiagonalisation finds just the leading singular triplets;
-    it works on the snapshots, not on their covariance, which would square small singular values away.
+    The mean is removed first (E.3). A restarted Lanczos method finds just the leading singular triplets.
 
     Parameters
     ----------
@@ -80,8 +79,8 @@ def _leading(
     The Lanczos result is taken only if its residuals are small; else the dense decomposition decides.
     """
     if min(snapshots.shape) > max(DENSE, 4 * n_vectors) and snapshots.any():
-        start = np.random.default_rng(0).standard_normal(snapshots.shape[0])  # fixed: same bits every run
-        left, sigma, vectors = svds(snapshots, k=n_vectors, solver="propack", v0=start, tol=0)
+        start = np.random.default_rng(0).standard_normal(min(snapshots.shape))  # fixed: same bits every run
+        left, sigma, vectors = svds(snapshots, k=n_vectors, solver="arpack", v0=start, tol=0)
         order = np.argsort(sigma)[::-1]
         left, sigma, vectors = left[:, order], sigma[order], vectors[order]
         residual = np.linalg.norm(snapshots @ vectors.T - left * sigma, axis=0).max() / sigma[0]

@@ -264,12 +264,12 @@ def _members(
     """Members, and the sections that they use."""
     members: dict[str, Any] = {}
     used: dict[str, None] = {}
+    header = [token.lower() for token in deck.rows[rows[0].line - 3].tokens]
+    typed = "mtype" in header or len(header) > 6  # older files have COSMID there, and beams only
     for row in rows:
         name = _identifier(deck, row, "MemberID", "M")
         _new(deck, name, members, "MemberID", row.line)
-        kind = row.tokens[5].lower() if len(row.tokens) > 6 else "1c"
-        if len(row.tokens) == 6:  # old files end with COSMID, newer ones with MType
-            kind = row.tokens[5].lower() if row.tokens[5].lower() in (*_OTHER_MEMBERS, "1", "1c") else "1c"
+        kind = row.tokens[5].lower() if typed and len(row.tokens) > 5 else "1c"
         if kind not in ("1", "1c"):
             what = _OTHER_MEMBERS.get(kind, "of an unknown kind")
             raise deck.refuse(

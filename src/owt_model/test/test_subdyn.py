@@ -137,6 +137,15 @@ def test_variants_of_the_format_mean_the_same(variant):
     assert parse(deck(**variant)).content_hash == parse(deck()).content_hash
 
 
+def test_old_files_have_a_cosine_matrix_where_the_member_type_is_now():
+    old = deck(MEMBERS=PARTS["MEMBERS"].replace("1c 0", "3")).replace(
+        "MPropSetID2 MType COSMID", "MPropSetID2 COSMID"
+    )
+    assert parse(old).content_hash == parse(deck()).content_hash
+    with pytest.raises(InputError, match="MType"):
+        parse(deck(MEMBERS=PARTS["MEMBERS"].replace("1c 0", "3")))
+
+
 def test_short_mass_rows_and_other_element():
     s = parse(deck(MASS="4 1d3 1 2 3").replace("3   FEMMod", "1   FEMMod"))
     assert s.beam == "euler-bernoulli"

@@ -154,7 +154,7 @@ def _masses(
     each = steel[:, 0, 0] + steel[:, 6, 6] + 2.0 * steel[:, 0, 6]
     totals = {
         "members": float(each[~tower].sum()),
-        "joints": sum(body.mass_kg for body in structure.point_masses.values()),
+        "joints": sum((body.mass_kg for body in structure.point_masses.values()), 0.0),
         "transition_piece": structure.transition_piece.mass_kg,
         "tower": float(each[tower].sum()),
         "rotor_nacelle": structure.rotor_nacelle.mass_kg if structure.rotor_nacelle else 0.0,

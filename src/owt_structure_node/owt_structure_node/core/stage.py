@@ -190,7 +190,7 @@ def step(model: ResponseModel, state: ResponseState, load: LoadBlock) -> tuple[R
     first = state.motion is None
     if state.motion is None:
         before, rest = static_state(model.oscillators, modal_load[0]), modal_load[1:]
-        fixed_end = load.fixed_end
+        fixed_end = load.fixed_end.copy()  # writable: one kernel signature, whatever the block came from
     else:
         assert state.fixed_end is not None
         before, rest = state.motion, modal_load

@@ -129,7 +129,7 @@ def load_basis_message(basis: LoadBasis) -> owt.LoadBasis:
         mean=doubles(basis.mean),
         vectors=doubles(basis.vectors),
         singular_values=doubles(basis.singular_values),
-        variance_fraction=float(basis.variance_fraction),
+        total_variance=float(basis.total_variance),
     )
 
 
@@ -141,6 +141,7 @@ def to_load_basis(message: Any) -> LoadBasis:
         node=indices(message.node),
         vectors=read_doubles(message, "vectors", -1, n, 6),
         singular_values=read_doubles(message, "singular_values", -1),
+        total_variance=float(message.total_variance),
         mean=read_doubles(message, "mean", n, 6),
         snapshots=int(message.snapshots),
     )

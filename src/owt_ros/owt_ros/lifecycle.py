@@ -16,7 +16,6 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from owt_msgs.msg import Credit, NodeStatus
 from pydantic import BaseModel, ConfigDict, Field
 from rclpy.clock import Clock, ClockType
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
@@ -25,6 +24,7 @@ from std_msgs.msg import Header
 from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, OwtError
 from owt_ros.parameters import NodeParameters
+from owt_ros.peers import Peers
 from owt_ros.qos import qos_for
 from owt_ros.streams import Inlet, Outlet
 from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, Topic
@@ -45,7 +45,7 @@ class NodeOptions(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     lease_s: float = Field(
-        1.5, ge=0.0, le=60.0, description="time in s after which a dead peer is noticed; 0 for never"
+        1.5, ge=0.0, le=60.0, description="time in s until the death of a peer is noticed; 0 for never"
     )
     wait_s: float = Field(
         30.0, gt=0.0, le=3600.0, description="longest wait in s for the subscriptions of consumers"
@@ -79,6 +79,7 @@ class StageNode(LifecycleNode):
         self._starting: Timer | None = None
         self._credit_in: Subscription[Credit] | None = None
         self._credit_out: Any = None
+        self._peers: Peers | None = None
         self._waiting_since = 0.0
         self._rate_from = (0.0, 0)
         self._status = self.create_publisher(NodeStatus, STATUS.name, qos_for(STATUS))
@@ -103,16 +104,22 @@ class StageNode(LifecycleNode):
 
     def outlet(self, topic: Topic) -> Outlet:
         """Publish `topic`."""
-        outlet = Outlet(self, topic, window=self.window, lease_s=self.options.lease_s)
+        outlet = Outlet(self, topic, window=self.window)
         self._outlets.append(outlet)
         return outlet
 
     def inlet(self, topic: Topic, handler: Callable[..., None], *, raw: bool = False) -> Inlet:
         """Subscribe to `topic`; `handler` may raise :class:`OwtError`."""
         inlet = Inlet(
-            self, topic, handler, receive=self._receive, on_dead=self.fail, acknowledge=self._credit_out,
-            consumer=self.ROLE, window=self.window, lease_s=self.options.lease_s, raw=raw,
-        )  # fmt: skip
+            self,
+            topic,
+            handler,
+            receive=self._receive,
+            acknowledge=self._credit_out,
+            consumer=self.ROLE,
+            window=self.window,
+            raw=raw,
+        )
         self._inlets.append(inlet)
         return inlet
 
@@ -201,11 +208,12 @@ class StageNode(LifecycleNode):
         if self.active:
             self._guarded(self.advance)
 
-    def _on_liveliness(self, event: Any) -> None:
-        """A process that acknowledges blocks died."""
-        waiting = sorted({name for outlet in self._outlets for name in outlet.owed_to})
-        if event.not_alive_count_change > 0 and waiting and self.active:
-            self.fail(f"a consumer died ({' or '.join(waiting)}) before it had acknowledged the last block")
+    def _on_loss(self, peer: str) -> None:
+        """Fail if a node that died or left still has to send or to acknowledge something."""
+        owing = [inlet.topic.label for inlet in self._inlets if inlet.is_owed_by(peer)]
+        owing += [outlet.topic.label for outlet in self._outlets if peer in outlet.owed_to]
+        if self.active and owing:
+            self.fail(f"{peer} died or left before the end of {', '.join(owing)}")
 
     def _publish_rate(self) -> None:
         now, (then, reached) = time.monotonic(), self._rate_from
@@ -232,15 +240,19 @@ class StageNode(LifecycleNode):
         case, self.options = self.settings.read()
         self.window = case.stream.window
         self.time_ns = 0
-        profile = qos_for(CREDIT, lease_s=self.options.lease_s)
-        watch = SubscriptionEventCallbacks(
-            liveliness=self._on_liveliness if self.options.lease_s > 0.0 else None
-        )
-        self._credit_out = self.create_publisher(Credit, CREDIT.name, profile)
-        self._credit_in = self.create_subscription(
-            Credit, CREDIT.name, self._on_credit, profile, event_callbacks=watch
-        )
+        self._credit_out = self.create_publisher(Credit, CREDIT.name, qos_for(CREDIT))
+        self._credit_in = self.create_subscription(Credit, CREDIT.name, self._on_credit, qos_for(CREDIT))
         self.configure(case)
+        if self.options.lease_s > 0.0:
+            topics = (*(inlet.topic for inlet in self._inlets), *(outlet.topic for outlet in self._outlets))
+            others = {name for topic in topics for name in (topic.producer, *topic.consumers)}
+            self._peers = Peers(
+                self,
+                self.ROLE,
+                sorted(others - {self.ROLE, ""}),
+                lease_s=self.options.lease_s,
+                on_loss=self._on_loss,
+            )
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Read the parameters and build."""
@@ -298,6 +310,9 @@ class StageNode(LifecycleNode):
             self.destroy_lifecycle_publisher(outlet.publisher)
         for inlet in self._inlets:
             self.destroy_subscription(inlet.subscription)
+        if self._peers is not None:
+            self._peers.close()
+            self._peers = None
         if self._credit_in is not None:
             self.destroy_subscription(self._credit_in)
             self.destroy_publisher(self._credit_out)

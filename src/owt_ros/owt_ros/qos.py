@@ -6,11 +6,9 @@ its history by credits (:mod:`owt_ros.credits`): the depth is the window of bloc
 
 from __future__ import annotations
 
-from rclpy.duration import Duration
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
-    LivelinessPolicy,
     QoSProfile,
     ReliabilityPolicy,
 )
@@ -25,7 +23,7 @@ CREDIT_DEPTH = 512
 EVENT_DEPTH = 1000
 
 
-def qos_for(topic: Topic, *, window: int = 1, lease_s: float = 0.0) -> QoSProfile:
+def qos_for(topic: Topic, *, window: int = 1) -> QoSProfile:
     """Return the profile of `topic`, the same for its publishers and its subscriptions.
 
     Parameters
@@ -34,9 +32,6 @@ def qos_for(topic: Topic, *, window: int = 1, lease_s: float = 0.0) -> QoSProfil
         What the profile is for.
     window : int
         Blocks in flight of a data topic.
-    lease_s : float
-        Time in s after which the death of a process is noticed by the liveliness of its data and
-        credit publishers; 0 for never.
     """
     latched = topic.kind is Kind.LATCHED
     if topic is CREDIT:
@@ -45,7 +40,7 @@ def qos_for(topic: Topic, *, window: int = 1, lease_s: float = 0.0) -> QoSProfil
         depth = 1
     else:
         depth = window + 2 if topic.kind is Kind.DATA else EVENT_DEPTH
-    profile = QoSProfile(
+    return QoSProfile(
         reliability=ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL
         if latched or topic is CREDIT
@@ -53,7 +48,3 @@ def qos_for(topic: Topic, *, window: int = 1, lease_s: float = 0.0) -> QoSProfil
         history=HistoryPolicy.KEEP_LAST,
         depth=depth,
     )
-    if lease_s > 0.0 and (topic is CREDIT or topic.kind is Kind.DATA):
-        profile.liveliness = LivelinessPolicy.AUTOMATIC
-        profile.liveliness_lease_duration = Duration(nanoseconds=round(lease_s * 1e9))
-    return profile

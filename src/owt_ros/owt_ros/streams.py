@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 from owt_msgs.msg import Credit
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.lifecycle import LifecycleNode
 from rclpy.publisher import Publisher
 
@@ -31,14 +30,12 @@ class Outlet:
         What is published.
     window : int
         Blocks in flight.
-    lease_s : float
-        See :func:`owt_ros.qos.qos_for`.
     """
 
-    def __init__(self, node: LifecycleNode, topic: Topic, *, window: int, lease_s: float) -> None:
+    def __init__(self, node: LifecycleNode, topic: Topic, *, window: int) -> None:
         self.topic, self._node = topic, node
         self.publisher = node.create_lifecycle_publisher(
-            topic.message, topic.name, qos_for(topic, window=window, lease_s=lease_s)
+            topic.message, topic.name, qos_for(topic, window=window)
         )
         self.credit = CreditWindow(window, topic.consumers)
         self._connected = not topic.consumers
@@ -92,12 +89,10 @@ class Inlet:
         Called with the message, in order; on raw data topics with the head and the CDR bytes.
     receive : callable
         Takes ``(handle, message)`` from the subscription and decides when to call ``handle(message)``.
-    on_dead : callable
-        Called with a text when the publisher of an unfinished stream died.
     raw : bool
         Hand over CDR bytes instead of a message.
-    window, lease_s
-        See :class:`Outlet`.
+    window : int
+        Blocks in flight.
     acknowledge : Publisher
         Of credits.
     consumer : str
@@ -111,24 +106,20 @@ class Inlet:
         handler: Callable[..., None],
         *,
         receive: Callable[[Callable[[Any], None], Any], None],
-        on_dead: Callable[[str], None],
         acknowledge: Publisher[Credit],
         consumer: str,
         window: int,
-        lease_s: float,
         raw: bool = False,
     ) -> None:
         self.topic, self.guard = topic, StreamGuard(topic.label)
-        self._handler, self._on_dead, self._raw = handler, on_dead, raw
+        self._handler, self._raw = handler, raw
         self._acknowledge, self._consumer = acknowledge, consumer
-        watched = lease_s > 0.0 and topic.kind is Kind.DATA
         self.subscription = node.create_subscription(
             topic.message,
             topic.name,
             lambda message: receive(self._handle, message),
-            qos_for(topic, window=window, lease_s=lease_s),
+            qos_for(topic, window=window),
             raw=raw,
-            event_callbacks=SubscriptionEventCallbacks(liveliness=self._on_liveliness if watched else None),
         )
 
     def _handle(self, message: Any) -> None:
@@ -148,8 +139,6 @@ class Inlet:
             Credit(consumer=self._consumer, topic=self.topic.label, sequence=int(sequence))
         )
 
-    def _on_liveliness(self, event: Any) -> None:
-        if event.not_alive_count_change > 0 and not self.guard.finished:
-            producer = self.topic.producer or "its publisher"
-            got = f"{self.guard.received} blocks received"
-            self._on_dead(f"{producer} died before the last block of {self.topic.label} ({got})")
+    def is_owed_by(self, peer: str) -> bool:
+        """Tell whether `peer` has to send more blocks of this stream."""
+        return self.topic.producer == peer and self.topic.kind is Kind.DATA and not self.guard.finished

@@ -66,7 +66,7 @@ class WaveNode(StageNode):
 
     def release(self) -> None:
         """Forget the record."""
-        self._latched, self._stage = [], None
+        self._latched, self._stage = [], None  # type: ignore[assignment]
 
 
 def main() -> int:

@@ -1,7 +1,8 @@
 """Point the CMake files of the ROS wheels at this Python.
 
-The wheels were built elsewhere, and their exported targets carry the include folders of that machine. Each file is
-written anew and moved over the old one, never edited in place: a package manager may share files with its cache.
+The wheels were built elsewhere, and their exported targets carry the include folders of that machine. Each
+file is written anew and moved over the old one, never edited in place: a package manager may share files with
+its cache.
 """
 
 import os
@@ -22,7 +23,9 @@ def main() -> int:
     changed = 0
     for path in (Path(sys.prefix) / "share").rglob("*.cmake"):
         old = path.read_text(encoding="utf-8")
-        new = PYTHON_INCLUDE.sub(lambda _: python_include, NUMPY_INCLUDE.sub(lambda _: numpy.get_include(), old))
+        new = PYTHON_INCLUDE.sub(
+            lambda _: python_include, NUMPY_INCLUDE.sub(lambda _: numpy.get_include(), old)
+        )
         if "/opt/python/" in new:
             print(f"error: {path} still names the wheel builder's Python", file=sys.stderr)
             return 1

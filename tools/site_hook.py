@@ -1,8 +1,8 @@
 """Run at every start of this environment's Python, before the ROS wheels' own hook (see owt.pth).
 
-A bare `.venv/bin/python` then finds owt_msgs and the ROS libraries as it does under `./owt`: the search paths are
-completed here, and the wheels' hook restarts Python with them. A child that inherited the "already restarted" marker
-without the paths is restarted as well.
+A bare `.venv/bin/python` then finds owt_msgs and the ROS libraries as it does under `./owt`: the search paths
+are completed here, and the wheels' hook restarts Python with them. A child that inherited the "already
+restarted" marker without the paths is restarted as well.
 """
 
 import os

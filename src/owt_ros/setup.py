@@ -19,6 +19,6 @@ setup(
     zip_safe=False,
     maintainer="owt maintainers",
     maintainer_email="maintainers@owt.invalid",
-    description="Where messages meet arrays: conversion, quality of service, parameters, flow control, lifecycle base.",
+    description="Where messages meet arrays: conversion, QoS, parameters, flow control, lifecycle base.",
     license="Apache-2.0",
 )

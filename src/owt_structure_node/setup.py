@@ -19,7 +19,7 @@ setup(
     zip_safe=False,
     maintainer="owt maintainers",
     maintainer_email="maintainers@owt.invalid",
-    description="Beam finite elements, model reduction, time integration, stresses and energies; the structure node.",
+    description="Beam elements, reduction, time integration, stresses and energies; the structure node.",
     license="Apache-2.0",
     entry_points={
         "console_scripts": [

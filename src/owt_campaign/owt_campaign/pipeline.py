@@ -3,33 +3,42 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, fields
+
+import numpy as np
 
 from owt_model.config import CaseConfig
 from owt_model.contracts import (
+    Block,
     ElevationBlock,
     EnergyBlock,
     FatigueBlock,
     LoadBasis,
     LoadBlock,
     ModalBlock,
-    ReducedDescription,
-    SeaState,
     StressBlock,
 )
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import load_structure
 from owt_postproc.core import stage as fatigue_stage
+from owt_postproc.report_data import ReportCollector, ReportData, mesh_geometry
 from owt_structure_node.core import stage as response_stage
 from owt_wave_node.core.stage import WaveStage, build_wave_stage
 
-__all__ = ["CaseBlocks", "CaseRun", "prepare_case", "stream_case"]
+__all__ = ["CaseBlocks", "CaseResult", "CaseRun", "prepare_case", "run_case", "stream_case"]
+
+SEA_FACTS = (
+    "hs_m", "tp_s", "gamma", "direction_deg", "seed", "order", "stretching", "cutoff_rad_s", "water_depth_m"
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class CaseBlocks:
-    """What the graph publishes for one block of load samples."""
+    """What the graph publishes for one block of load samples.
+
+    ``fatigue_state`` is what the counting carries to the next block.
+    """
 
     elevation: ElevationBlock
     load: LoadBlock
@@ -37,6 +46,11 @@ class CaseBlocks:
     stress: StressBlock
     energy: EnergyBlock
     fatigue: FatigueBlock
+    fatigue_state: fatigue_stage.FatigueState
+
+    def streams(self) -> tuple[Block, ...]:
+        """The blocks in the order of the chain."""
+        return (self.elevation, self.load, self.modal, self.stress, self.energy, self.fatigue)
 
 
 @dataclass
@@ -69,15 +83,24 @@ class CaseRun:
     fatigue: fatigue_stage.FatigueModel
     clock: StageClock
 
-    @property
-    def sea_state(self) -> SeaState:
-        """The components that drive the case."""
-        return self.wave.sea_state
 
-    @property
-    def reduced(self) -> ReducedDescription:
-        """Names and frequencies of the reduced model."""
-        return self.response.description
+@dataclass(frozen=True)
+class CaseResult:
+    """What one case gave.
+
+    Attributes
+    ----------
+    report : ReportData
+        Series and fatigue results, as the report shows them.
+    series : dict of arrays
+        Every channel of every stream over the whole record, keyed ``stream.channel``; empty unless asked for.
+    stage_seconds : dict
+        Seconds spent in each stage.
+    """
+
+    report: ReportData
+    series: dict[str, np.ndarray]
+    stage_seconds: dict[str, float]
 
 
 def prepare_case(case: CaseConfig) -> CaseRun:
@@ -101,7 +124,9 @@ def prepare_case(case: CaseConfig) -> CaseRun:
     return CaseRun(case, mesh, wave, basis, response, fatigue, clock)
 
 
-def stream_case(run: CaseRun, *, progress: Callable[[float, float], None] | None = None) -> Iterator[CaseBlocks]:
+def stream_case(
+    run: CaseRun, *, progress: Callable[[float, float], None] | None = None
+) -> Iterator[CaseBlocks]:
     """Yield the blocks of a prepared case, in the order and partition of the graph.
 
     Parameters
@@ -122,6 +147,69 @@ def stream_case(run: CaseRun, *, progress: Callable[[float, float], None] | None
         clock.lap("response and stress")
         fatigue_state, counted = fatigue_stage.step(run.fatigue, fatigue_state, out.stress)
         clock.lap("rainflow")
-        yield CaseBlocks(elevation, load, out.modal, out.stress, out.energy, counted)
+        yield CaseBlocks(elevation, load, out.modal, out.stress, out.energy, counted, fatigue_state)
         if progress is not None:
             progress((load.start + len(load.nodal)) * load.dt, duration)
+
+
+def run_case(
+    case: CaseConfig,
+    *,
+    keep_series: bool = False,
+    versions: Mapping[str, str] | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> CaseResult:
+    """Run one case from the sea to the damage.
+
+    Parameters
+    ----------
+    case : CaseConfig
+        The case.
+    keep_series : bool
+        Keep every channel of every stream (about 0.6 GB for 600 s of the OC4 jacket).
+    versions : mapping, optional
+        Provenance for the report.
+    progress : callable, optional
+        Called with the simulated time reached and the duration, in s.
+
+    Raises
+    ------
+    InputError
+        If the case, the structure or their combination is refused.
+    ComputationError
+        If a result cannot be trusted.
+    """
+    run = prepare_case(case)
+    collector = ReportCollector(run.response.description.tower_top_coordinate)
+    kept: list[CaseBlocks] = []
+    state = fatigue_stage.initial_state(run.fatigue)
+    for blocks in stream_case(run, progress=progress):
+        for block in blocks.streams():
+            collector.add(block)
+        state = blocks.fatigue_state
+        if keep_series:
+            kept.append(blocks)
+    sea = run.wave.sea_state
+    report = collector.finish(
+        case=case.model_dump(mode="json"),
+        reduced=run.response.description,
+        fatigue=fatigue_stage.final(run.fatigue, state),
+        geometry=mesh_geometry(run.mesh),
+        sea_state={name: getattr(sea, name) for name in SEA_FACTS} | {"duration_s": sea.n * sea.dt_s},
+        versions=versions,
+    )
+    return CaseResult(report, _series(kept), run.clock.seconds)
+
+
+def _series(kept: list[CaseBlocks]) -> dict[str, np.ndarray]:
+    """Join the sampled channels of the kept blocks, except the running fatigue results."""
+    series: dict[str, np.ndarray] = {}
+    for stream in ("elevation", "load", "modal", "stress", "energy"):
+        blocks = [getattr(block, stream) for block in kept]
+        for channel in fields(blocks[0]) if blocks else ():
+            values = [getattr(block, channel.name) for block in blocks]
+            if not isinstance(values[0], np.ndarray):
+                continue
+            constant = channel.name in ("gauge", "node", "element")
+            series[f"{stream}.{channel.name}"] = values[0] if constant else np.concatenate(values)
+    return series

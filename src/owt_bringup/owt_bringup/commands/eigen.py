@@ -10,10 +10,14 @@ HELP = "eigenfrequencies, damping, mass and Guyan stiffness of a structure"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("--model", default="oc4", help="shipped structure, YAML file or SubDyn deck (default oc4)")
+    parser.add_argument(
+        "--model", default="oc4", help="shipped structure, YAML file or SubDyn deck (default oc4)"
+    )
     parser.add_argument("--reduction", default=None, help="CBnn: also the frequencies of the reduced model")
     parser.add_argument("--modes", type=int, default=20, help="number of modes (default 20)")
-    parser.add_argument("--fixed-interface", action="store_true", help="clamp the interface: fixed-interface modes")
+    parser.add_argument(
+        "--fixed-interface", action="store_true", help="clamp the interface: fixed-interface modes"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 

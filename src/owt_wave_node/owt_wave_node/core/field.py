@@ -9,7 +9,7 @@ du/dt and dw/dt (local accelerations).
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
@@ -33,6 +33,7 @@ MAX_SCALED = 300.0
 CHUNK = 16
 
 
+@runtime_checkable
 class Prepared(Protocol):
     """Total kinematics of a set of points, transformed to time on demand."""
 
@@ -41,6 +42,7 @@ class Prepared(Protocol):
         ...
 
 
+@runtime_checkable
 class Field(Protocol):
     """What every route offers."""
 

@@ -1,0 +1,245 @@
+"""What the field must be, whatever its numbers: derivatives, continuity, routes, grids, headings."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from owt_model.errors import InputError
+from owt_wave_node.core.direct import DirectField
+from owt_wave_node.core.field import GridField
+from owt_wave_node.core.grid import frequency_grid
+from owt_wave_node.core.kinematics import wave_kinematics
+from owt_wave_node.core.sea import Waves, build_sea_state, waves
+from owt_wave_node.core.wheeler import make_field
+
+X, Z = np.array([0.0, 3.7, -8.0]), np.array([-1.0, -27.0, 1.5])
+DT, N = 0.1, 6000
+
+
+@pytest.fixture(scope="module")
+def sea(recorded) -> Waves:
+    return waves(build_sea_state(recorded("A")))
+
+
+@pytest.fixture(scope="module")
+def field(sea: Waves) -> GridField:
+    made = make_field(sea)
+    assert isinstance(made, GridField)
+    return made
+
+
+def check_derivative(velocity: np.ndarray, acceleration: np.ndarray) -> None:
+    """The accelerations are the time derivatives of the velocities (spectral, the record is periodic)."""
+    n = velocity.shape[-1]
+    rate = 2j * np.pi * np.fft.rfftfreq(n, DT)
+    derived = np.fft.irfft(rate * np.fft.rfft(velocity), n)
+    assert np.abs(derived - acceleration).max() < 1e-11 * np.abs(acceleration).max()
+
+
+def test_accelerations_are_derivatives(field: GridField) -> None:
+    for motion in (field.first(X, Z), field.second(X, Z)):
+        check_derivative(motion[:, :2], motion[:, 2:])
+        with pytest.raises(AssertionError):
+            check_derivative(motion[:, :2], -motion[:, 2:])  # the wrong variant: sign of time
+        with pytest.raises(AssertionError):
+            check_derivative(motion[:, :2], motion[:, [3, 2]])  # the wrong variant: swapped
+
+
+H = 1e-3
+
+
+def gradients(part, x: float, z: float):
+    """Central differences (du/dx, dw/dz, du/dz, dw/dx) of a field at a point."""
+    at = part(np.array([x + H, x - H, x, x]), np.array([z, z, z + H, z - H]))
+    by_x, by_z = (at[0] - at[1]) / (2.0 * H), (at[2] - at[3]) / (2.0 * H)
+    return by_x[0], by_z[1], by_z[0], by_x[1]
+
+
+def check_potential_flow(du_dx, dw_dz, du_dz, dw_dx) -> None:
+    """Continuity du/dx + dw/dz = 0 and no rotation du/dz - dw/dx = 0."""
+    scale = np.abs(du_dx).max()
+    assert np.abs(du_dx + dw_dz).max() < 2e-6 * scale
+    assert np.abs(du_dz - dw_dx).max() < 2e-6 * scale
+
+
+@pytest.mark.parametrize("z", [-2.0, -30.0])
+def test_potential_flow(field: GridField, z: float) -> None:
+    for part in (field.first, field.second):
+        du_dx, dw_dz, du_dz, dw_dx = gradients(part, 2.0, z)
+        check_potential_flow(du_dx, dw_dz, du_dz, dw_dx)
+        with pytest.raises(AssertionError):
+            check_potential_flow(du_dx, -dw_dz, du_dz, dw_dx)  # the wrong variant: w of the other sign
+
+
+def test_no_flow_through_the_bed(field: GridField) -> None:
+    bed = np.array([-50.0])
+    for part in (field.first, field.second):
+        motion = part(np.zeros(1), bed)
+        assert np.abs(motion[0, 1]).max() < 1e-12 * np.abs(motion[0, 0]).max()
+
+
+def test_taylor_above_still_water(field: GridField) -> None:
+    """q(z) = q1(0) + z dq1/dz(0) + q2(0) for both velocities and both accelerations [eq. 2.19]."""
+    x, z = np.array([4.0]), 2.5
+    zero = field.first(x, np.zeros(1))
+    below = [field.first(x, np.array([-h])) for h in (1e-3, 2e-3)]
+    slope = (3.0 * zero - 4.0 * below[0] + below[1]) / 2e-3
+    got = field.first(x, np.array([z]))
+    assert np.abs(got - (zero + z * slope)).max() < 1e-6 * np.abs(got).max()
+    assert np.array_equal(field.second(x, np.array([z])), field.second(x, np.zeros(1)))
+    with pytest.raises(AssertionError):  # the wrong variant: the second order is expanded too
+        assert np.array_equal(field.second(x, np.array([-z])), field.second(x, np.zeros(1)))
+
+
+def difference(a, b) -> float:
+    return float(np.abs(a - b).max() / np.abs(a).max())
+
+
+def test_double_sum_equals_single_summation(sea: Waves, field: GridField) -> None:
+    double = DirectField(sea)
+    for one, other in zip(field.elevation(X), double.elevation(X), strict=True):
+        assert difference(one, other) < 1e-10
+    for part in ("first", "second"):
+        one, other = getattr(field, part)(X, Z), getattr(double, part)(X, Z)
+        for q in range(4):
+            assert difference(one[:, q], other[:, q]) < 1e-10
+    wrong = DirectField(sea)  # the wrong variant: the difference pairs (m, n) and (n, m) cancel, eq. 4.24
+    wrong._velocity_minus = np.zeros_like(wrong._velocity_minus)
+    assert difference(field.second(X, Z), wrong.second(X, Z)) > 1e-10
+
+
+def test_gaps_between_components_change_nothing(recorded, reference, listed) -> None:
+    """A sea with gaps takes the scattered sums; zero amplitudes in the gaps must not matter."""
+    d = reference["A"]
+    keep = np.arange(len(d["a"])) % 3 != 1
+    gaps = waves(build_sea_state(listed(d["omega"][keep], d["a"][keep], d["phi"][keep])))
+    scattered = make_field(gaps)
+    assert isinstance(scattered, GridField)
+    assert not scattered.dense
+    filled = Waves(
+        d["omega"], d["k"].copy(), d["a"] * keep * np.exp(-1j * d["phi"]), 50.0, 9.81, 2, "taylor", DT, N
+    )
+    dense = make_field(filled)
+    assert isinstance(dense, GridField)
+    assert dense.dense
+    assert difference(dense.second(X, Z), scattered.second(X, Z)) < 1e-12
+    assert difference(dense.elevation(X)[1], scattered.elevation(X)[1]) < 1e-12
+
+
+def test_a_short_window_of_a_long_record(recorded) -> None:
+    """Components of 600 s asked for 30 s: the grid is extended and the window is that of the record."""
+    points = [[1.0, 0.0, -3.0], [0.0, 0.0, 1.0]]
+    long = wave_kinematics(recorded("A", points_m=points))
+    short = wave_kinematics(recorded("A", points_m=points, time={"dt_s": 0.1, "n": 300}))
+    for name in ("eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2"):
+        assert difference(getattr(long, name)[:300], getattr(short, name)) < 1e-12, name
+    assert np.array_equal(short.wet, long.wet[:300])
+
+
+def test_coarse_samples_are_those_of_the_fine_record(recorded) -> None:
+    """Twice the highest component above the Nyquist frequency of the samples: no aliasing."""
+    points = [[1.0, 0.0, -3.0]]
+    fine = wave_kinematics(recorded("A", points_m=points))
+    coarse = wave_kinematics(
+        recorded("A", points_m=points, time={"dt_s": 2.0, "n": 300}, structure={"dt_s": 0.02})
+    )
+    for name in ("eta1", "eta2", "velocity", "acceleration2"):
+        assert difference(getattr(fine, name)[::20], getattr(coarse, name)) < 1e-12, name
+
+
+def test_grid_is_the_smallest() -> None:
+    base = 2.0 * np.pi / 60.0
+    cases = {1: [1.0, 5.0], 2: [1.5, 5.0], 20: [1.05, 3.0], 6: [1.5, 7.0 / 3.0]}
+    for periods, multiples in cases.items():
+        grid = frequency_grid(base * np.array(multiples), dt=0.1, n=600, order=2)
+        assert grid is not None
+        assert grid.length == periods * 600
+        assert grid.bins.tolist() == pytest.approx([m * periods for m in multiples])
+    assert frequency_grid(base * np.array([1.0, np.pi]), dt=0.1, n=600, order=2) is None
+    # Half the samples per wave that the second order needs: twice the length, subsampled.
+    grid = frequency_grid(base * np.array([150.0]), dt=0.1, n=600, order=2)
+    assert grid is not None
+    assert (grid.oversampling, grid.length) == (2, 1200)
+
+
+def test_components_off_the_grid(reference, listed) -> None:
+    """Frequencies off any grid take the direct sum and join the gridded answer continuously."""
+    d = reference["A"]
+    keep = slice(40, 80)
+    points = [[2.0, 0.0, -4.0]]
+    on = wave_kinematics(listed(d["omega"][keep], d["a"][keep], d["phi"][keep], points_m=points))
+    shift = 1.0 + 1e-9 * np.sqrt(np.arange(40) + 2.0)
+    case = listed(d["omega"][keep] * shift, d["a"][keep], d["phi"][keep], points_m=points)
+    assert isinstance(make_field(waves(build_sea_state(case))), DirectField)
+    off = wave_kinematics(case)
+    for name in ("eta1", "eta2", "velocity2", "acceleration2"):
+        assert difference(getattr(on, name), getattr(off, name)) < 2e-5, name
+
+
+def check_rotated(b: float, turned, straight) -> None:
+    c, s = np.cos(np.deg2rad(b)), np.sin(np.deg2rad(b))
+    for name in ("velocity", "acceleration", "velocity2", "acceleration2"):
+        one, other = getattr(turned, name), getattr(straight, name)
+        expected = np.stack([c * other[:, :, 0], s * other[:, :, 0], other[:, :, 2]], axis=2)
+        assert difference(expected, one) < 1e-10, name
+    assert difference(straight.eta2, turned.eta2) < 1e-10
+
+
+def test_heading_turns_the_answer(reference, listed) -> None:
+    d, b = reference["A"], 210.0
+    c, s = np.cos(np.deg2rad(b)), np.sin(np.deg2rad(b))
+    points = np.array([[5.0, 0.0, -2.0], [-3.0, 0.0, 1.0]])
+    turned_points = np.column_stack([points[:, 0] * c, points[:, 0] * s, points[:, 2]])
+    sea = (d["omega"], d["a"], d["phi"])
+    straight = wave_kinematics(listed(*sea, points_m=points.tolist()))
+    check_rotated(b, wave_kinematics(listed(*sea, direction=b, points_m=turned_points.tolist())), straight)
+    across = turned_points + [0.0, 0.0, 0.0] + np.array([-s, c, 0.0]) * 7.0  # along the crests: no change
+    check_rotated(b, wave_kinematics(listed(*sea, direction=b, points_m=across.tolist())), straight)
+    wrong = wave_kinematics(listed(*sea, direction=180.0 - b, points_m=turned_points.tolist()))
+    with pytest.raises(AssertionError):  # the wrong variant: a metocean direction taken for b
+        check_rotated(b, wrong, straight)
+
+
+def test_order_one_has_no_second_order(recorded) -> None:
+    k = wave_kinematics(recorded("A", wave={"order": 1, "stretching": "taylor"}, points_m=[[0.0, 0.0, -1.0]]))
+    assert not np.any(k.eta2)
+    assert not np.any(k.velocity2)
+    assert not np.any(k.acceleration2)
+    assert k.wet.all()
+
+
+def test_flat_sea(listed) -> None:
+    k = wave_kinematics(listed([0.5], [0.0], [0.0], points_m=[[0.0, 0.0, -1.0], [0.0, 0.0, 0.5]]))
+    assert not np.any(k.velocity)
+    assert k.wet[:, 0].all()
+    assert not k.wet[:, 1].any()
+
+
+def test_deep_water_does_not_overflow(listed) -> None:
+    """k d up to 4000: the scaled factors of the single summation agree with the direct sum."""
+    omega = 2.0 * np.pi / 60.0 * np.arange(8, 61)
+    case = listed(
+        omega, np.full(53, 0.02), np.sqrt(np.arange(53.0)), water_depth_m=1000.0, time={"dt_s": 0.1, "n": 600}
+    )
+    sea = waves(build_sea_state(case))
+    field = make_field(sea)
+    assert isinstance(field, GridField)
+    assert len(field._blocks) > 10
+    x, z = np.array([0.0, 5.0, 3.0]), np.array([-1.0, -60.0, -400.0])
+    second = field.second(x, z)
+    assert np.isfinite(field.second(x, z - 590.0)).all()
+    direct = DirectField(sea).second(x, z)
+    for p in range(3):
+        assert difference(direct[p], second[p]) < 1e-9
+
+
+def test_points_are_needed(recorded) -> None:
+    with pytest.raises(InputError, match=r"points_m = None: is missing"):
+        wave_kinematics(recorded("A"))
+
+
+def test_profile_without_end_is_refused(recorded) -> None:
+    case = recorded("C", points_m=[[0.0, 0.0, 80.0]], wave={"order": 2, "stretching": "none"})
+    with pytest.raises(InputError, match=r"wave\.stretching = 'none'"):
+        wave_kinematics(case)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from owt_model.errors import InputError
 
 __all__ = ["ProgressBar", "atomic_path", "prepare_folder", "write_json", "write_npz"]
@@ -33,7 +34,10 @@ def atomic_path(path: Path) -> Iterator[Path]:
         os.close(handle)
     except OSError as error:
         raise InputError(
-            "output", str(path), f"cannot be written ({error.strerror})", "Choose an existing, writable folder."
+            "output",
+            str(path),
+            f"cannot be written ({error.strerror})",
+            "Choose an existing, writable folder.",
         ) from None
     partial = Path(name)
     try:
@@ -42,7 +46,10 @@ def atomic_path(path: Path) -> Iterator[Path]:
         partial.replace(path)
     except OSError as error:
         raise InputError(
-            "output", str(path), f"cannot be written ({error.strerror})", "Check the folder and the free space."
+            "output",
+            str(path),
+            f"cannot be written ({error.strerror})",
+            "Check the folder and the free space.",
         ) from None
     finally:
         partial.unlink(missing_ok=True)
@@ -107,7 +114,9 @@ class ProgressBar:
         filled = "#" * int(30 * share)
         print(
             f"\r{self._label} [{filled:<30}] {100 * share:3.0f} %  {reached:.0f} of {duration:.0f} s, {speed:.0f} x",
-            end="", file=sys.stderr, flush=True,
+            end="",
+            file=sys.stderr,
+            flush=True,
         )
 
     def close(self) -> None:

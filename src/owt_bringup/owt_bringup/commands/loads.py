@@ -17,12 +17,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Compute and write t, force, moment, nodal and where the nodes are."""
     import numpy as np
+
+    from owt_bringup.output import write_npz
     from owt_model.config import load_case
     from owt_model.mesh import build_mesh
     from owt_model.structure import load_structure
     from owt_wave_node.core.loads import jacket_loads
-
-    from owt_bringup.output import write_npz
 
     case = load_case(options.case)
     mesh = build_mesh(load_structure(case.structure.model))

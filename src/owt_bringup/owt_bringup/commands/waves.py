@@ -16,10 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compute and write t, eta1, eta2, velocity, acceleration, velocity2, acceleration2 and wet."""
+    from owt_bringup.output import write_npz
     from owt_model.config import load_case
     from owt_wave_node.core.kinematics import wave_kinematics
-
-    from owt_bringup.output import write_npz
 
     result = wave_kinematics(load_case(options.case))
     names = ("t", "eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2", "wet")

@@ -1,0 +1,73 @@
+"""Command-line flags derived from the configuration: names, types, choices and help are those of its fields."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any, Literal, get_args, get_origin
+
+from owt_model.config import CaseConfig, SeaStateConfig, Stream, StructureConfig, Wave, parse_case
+from owt_model.errors import InputError
+
+__all__ = ["add_case_flags", "case_from_flags"]
+
+#: Flag -> section of the case and its field.
+FLAGS: dict[str, tuple[str, str, type]] = {
+    "hs": ("sea_state", "hs_m", SeaStateConfig),
+    "tp": ("sea_state", "tp_s", SeaStateConfig),
+    "gamma": ("sea_state", "gamma", SeaStateConfig),
+    "direction": ("sea_state", "direction_deg", SeaStateConfig),
+    "seed": ("sea_state", "seed", SeaStateConfig),
+    "order": ("wave", "order", Wave),
+    "stretching": ("wave", "stretching", Wave),
+    "reduction": ("structure", "reduction", StructureConfig),
+    "model": ("structure", "model", StructureConfig),
+    "rate": ("stream", "rate", Stream),
+}
+
+
+def _parser_of(annotation: Any) -> type:
+    """Type that a flag's text is read as."""
+    if get_origin(annotation) is Literal:
+        return type(get_args(annotation)[0])
+    kinds = [kind for kind in (get_args(annotation) or (annotation,)) if kind is not type(None)]
+    return kinds[0] if kinds[0] in (int, float, str) else str
+
+
+def add_case_flags(parser: argparse.ArgumentParser) -> None:
+    """Declare ``--duration`` and one flag per entry of FLAGS."""
+    default = CaseConfig()
+    parser.add_argument(
+        "--duration", type=float, default=default.time.duration_s, metavar="S",
+        help=f"simulated time in s (default {default.time.duration_s:g})",
+    )  # fmt: skip
+    for flag, (_, name, model) in FLAGS.items():
+        field = model.model_fields[name]
+        shown = "by eq. 4.80" if field.default is None else field.default
+        parser.add_argument(
+            f"--{flag}", type=_parser_of(field.annotation), default=None,
+            help=f"{field.description} (default {shown})".replace("%", "%%"),
+        )  # fmt: skip
+
+
+def case_from_flags(options: argparse.Namespace) -> CaseConfig:
+    """Build the case that the flags describe.
+
+    Raises
+    ------
+    InputError
+        As any case file; and if the duration is not a whole number of time steps.
+    """
+    data: dict[str, dict[str, Any]] = {}
+    for flag, (section, name, _) in FLAGS.items():
+        value = getattr(options, flag)
+        if value is not None:
+            data.setdefault(section, {})[name] = value
+    dt = CaseConfig().time.dt_s
+    steps = options.duration / dt
+    if not 2.0 <= steps <= 1e7 or abs(steps - round(steps)) > 1e-6:
+        raise InputError(
+            "duration", options.duration, f"must be a whole number of time steps of {dt:g} s, two at least",
+            "For example 600.",
+        )  # fmt: skip
+    data["time"] = {"n": round(steps)}
+    return parse_case(data)

@@ -147,9 +147,7 @@ def _record(key: str, title: str, unit: str, data: ReportData, lines: list[Line]
     look_of_all = layout(
         xaxis=axis("time in s", domain=[0.0, 0.64], range=[0.0, end]),
         yaxis=axis(unit),
-        xaxis2=axis(
-            "time in s, round the highest crest", domain=[0.69, 1.0], anchor="y2", range=[start, stop]
-        ),
+        xaxis2=axis("time in s, highest crest", domain=[0.69, 1.0], anchor="y2", range=[start, stop]),
         yaxis2=axis("", anchor="x2", matches="y", showticklabels=False),
         shapes=[window],
     )

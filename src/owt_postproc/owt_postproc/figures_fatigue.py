@@ -113,7 +113,7 @@ def jacket(data: ReportData, geometry: Geometry) -> Figure:
                 f"{name}axis": {**quiet, "title": {"text": f"{name} in m"}, "range": span[i]}
                 for i, name in enumerate("xyz")
             },
-            "camera": {"eye": {"x": 1.25, "y": 1.75, "z": 0.3}},
+            "camera": {"eye": {"x": 1.1, "y": 1.52, "z": 0.26}},
         },
     )
     caption = (

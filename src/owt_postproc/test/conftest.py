@@ -78,6 +78,7 @@ CONTRACT_TOPIC = {
     StressBlock: "/owt/member_stress",
     EnergyBlock: "/owt/energy",
 }
+RECEIVED_NS = 1_700_000_000_000_000_000
 FIELD = {"gauge": "gauge_m"}
 
 
@@ -228,12 +229,10 @@ def begin_bag(path: Path, run: InventedRun, store, **options) -> BagWriter:
 def write_bag(path: Path, run: InventedRun, **options) -> Path:
     store = typestore()
     with begin_bag(path, run, store, **options) as writer:
-        for block in run.blocks:
+        for i, block in enumerate(run.blocks):
             topic, data = block_message(block, store)
-            time = block.time_ns + 5_000_000_000
-            writer.write(
-                topic, data, log_time_ns=time, publish_time_ns=block.time_ns, sequence=block.sequence
-            )
+            times = {"log_time_ns": RECEIVED_NS + 1_000_000 * i, "publish_time_ns": block.time_ns}
+            writer.write(topic, data, **times, sequence=block.sequence)
     return path
 
 

@@ -65,7 +65,7 @@ def _as_series(series: Any) -> Float[np.ndarray, " n"]:
         values = np.asarray(series)
         if values.dtype.kind not in "fiub" and values.size:
             raise TypeError
-        values = np.ascontiguousarray(values, dtype=np.float64)
+        values = values.astype(np.float64, order="C")
     except (TypeError, ValueError):
         raise InputError("series", series, "must hold real numbers", remedy) from None
     if values.ndim != 1:

@@ -1,4 +1,4 @@
-"""Command-line flags derived from the configuration: names, types, choices and help are those of its fields."""
+"""Command-line flags derived from the configuration: types and help are those of its fields."""
 
 from __future__ import annotations
 

@@ -112,8 +112,9 @@ class ProgressBar:
         share = reached / duration if duration else 1.0
         speed = reached / max(now - self._start, 1e-9)
         filled = "#" * int(30 * share)
+        state = f"{100 * share:3.0f} %  {reached:.0f} of {duration:.0f} s, {speed:.0f} x"
         print(
-            f"\r{self._label} [{filled:<30}] {100 * share:3.0f} %  {reached:.0f} of {duration:.0f} s, {speed:.0f} x",
+            f"\r{self._label} [{filled:<30}] {state}",
             end="",
             file=sys.stderr,
             flush=True,

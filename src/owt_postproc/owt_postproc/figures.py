@@ -32,7 +32,7 @@ TOP_HZ = 5.0
 #: Natural frequencies marked in a spectrum.
 MODES_MARKED = 12
 #: Lowest density drawn, as a share of the highest.
-DECADES_SHOWN = 1e-8
+LOWEST_SHOWN = 1e-8
 
 Line = tuple[str, np.ndarray, np.ndarray, str]
 
@@ -159,7 +159,7 @@ def _spectrum(data: ReportData) -> Figure:
     shown = result.frequency <= TOP_HZ
     f, density = result.frequency[shown], result.density[shown]
     high = float(density.max()) or 1.0
-    density = np.maximum(density, DECADES_SHOWN * high)
+    density = np.maximum(density, 1e-30 * high)
     shapes, notes = _marks(data, float(f[0]), float(f[-1]))
     trace = {
         "type": "scatter",
@@ -172,7 +172,7 @@ def _spectrum(data: ReportData) -> Figure:
     }
     look = layout(
         xaxis=log_axis("frequency in Hz", float(f[0]), float(f[-1]), labels=(1, 2, 5)),
-        yaxis=log_axis("MPa²/Hz", float(density.min()), 2.0 * high),
+        yaxis=log_axis("MPa²/Hz", LOWEST_SHOWN * high, 2.0 * high),
         shapes=shapes,
         annotations=notes,
     )

@@ -113,7 +113,7 @@ def jacket(data: ReportData, geometry: Geometry) -> Figure:
                 f"{name}axis": {**quiet, "title": {"text": f"{name} in m"}, "range": span[i]}
                 for i, name in enumerate("xyz")
             },
-            "camera": {"eye": {"x": 1.1, "y": 1.52, "z": 0.26}},
+            "camera": {"eye": {"x": 1.18, "y": 1.63, "z": 0.28}},
         },
     )
     caption = (

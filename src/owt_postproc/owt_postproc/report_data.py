@@ -131,16 +131,16 @@ class ReportCollector:
             If it is not the next of its stream.
         """
         if isinstance(block, ElevationBlock):
-            self._keep("elevation", block, (block.first_order[:, 0], block.total[:, 0]))
+            self._keep("elevation", block, (block.first_order[:, 0].copy(), block.total[:, 0].copy()))
         elif isinstance(block, LoadBlock):
             self._keep("load", block, (block.nodal[:, :, :3].sum(axis=1),))
         elif isinstance(block, ModalBlock):
             top = self.tower_top_coordinate
-            self._keep("modal", block, (block.displacement[:, top : top + 3] if top >= 0 else None,))
+            self._keep("modal", block, (block.displacement[:, top : top + 3].copy() if top >= 0 else None,))
         elif isinstance(block, StressBlock):
             self._keep("stress", block, (block.axial, block.bending_y, block.bending_z, block.von_mises))
         elif isinstance(block, EnergyBlock):
-            self._keep("energy", block, (block.potential, block.kinetic))
+            self._keep("energy", block, (block.potential.copy(), block.kinetic.copy()))
 
     def _keep(self, stream: str, block: Block, parts: tuple[Any, ...]) -> None:
         if block.sequence != self._next.get(stream, 0):

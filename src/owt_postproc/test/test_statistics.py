@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import signal
 
 from owt_model.errors import InputError
 from owt_postproc.core.statistics import spectrum, statistics
@@ -33,6 +34,18 @@ def test_constant_series_has_no_skewness():
 def test_empty_or_not_finite_is_refused(bad):
     with pytest.raises(InputError, match="series"):
         statistics(bad)
+
+
+@pytest.mark.parametrize("n", [900, 901, 1234])
+def test_spectrum_is_welch(n):
+    series = np.cumsum(np.random.default_rng(n).normal(size=n))
+    result = spectrum(series, 0.1)
+    length = round(1.0 / (result.resolution * 0.1))
+    frequency, density = signal.welch(
+        series - series.mean(), fs=10.0, window="hann", nperseg=length, detrend=False
+    )
+    np.testing.assert_allclose(result.frequency, frequency[1:], rtol=1e-12)
+    np.testing.assert_allclose(result.density, density[1:], rtol=1e-10)
 
 
 def test_spectrum_holds_the_variance_and_the_peak():

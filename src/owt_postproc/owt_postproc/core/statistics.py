@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy import signal
 
 from owt_model.errors import InputError
 
@@ -107,10 +106,17 @@ def spectrum(series: Float[np.ndarray, " n"], dt: float, *, parts: int = 8) -> S
     """
     _check(series, 4)
     length = max(4, 2 * len(series) // (parts + 1))
-    frequency, density = signal.welch(
-        series - series.mean(), fs=1.0 / dt, window="hann", nperseg=length, detrend=False
-    )
-    return Spectrum(np.asarray(frequency[1:]), np.asarray(density[1:]), 1.0 / (length * dt))
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(length) / length)
+    starts = range(0, len(series) - length + 1, length - length // 2)
+    deviation = series - series.mean()
+    power = np.zeros(length // 2 + 1)
+    for start in starts:
+        power += np.abs(np.fft.rfft(window * deviation[start : start + length])) ** 2
+    density = 2.0 * dt * power / (len(starts) * np.sum(window**2))
+    if length % 2 == 0:
+        density[-1] *= 0.5  # the highest frequency has no negative twin
+    frequency = np.fft.rfftfreq(length, dt)
+    return Spectrum(frequency[1:], density[1:], 1.0 / (length * dt))
 
 
 def _check(series: Float[np.ndarray, " n"], least: int) -> None:

@@ -20,6 +20,7 @@ from owt_bringup.domain import own_domain
 from owt_bringup.nodes import NODES
 from owt_bringup.process import Child, find_executable, stop_all
 from owt_bringup.supervisor import Supervisor
+from owt_bringup.transport import PROFILE_VARIABLE, shared_memory_profile
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
 from owt_ros.parameters import parameter_yaml
@@ -92,19 +93,40 @@ def _signals() -> Iterator[Callable[[], None]]:
             signal.signal(number, handler)
 
 
-def _environment(domain: int) -> dict[str, str]:
+def _environment(domain: int, folder: Path) -> dict[str, str]:
     """Environment of the nodes: that of this process, in a domain of their own, on this machine only.
 
     The number of BLAS threads is inherited: as the nodes cut time into the same blocks as the run in one
     process, equal settings give equal bits.
     """
-    return {
+    environment = {
         **os.environ,
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
         "RCUTILS_COLORIZED_OUTPUT": "0",
         "RCUTILS_LOGGING_USE_STDOUT": "0",
     }
+    profile = shared_memory_profile(len(NODES))
+    if profile is not None and PROFILE_VARIABLE not in os.environ:
+        path = folder / "fastdds.xml"
+        path.write_text(profile, encoding="utf-8")
+        environment[PROFILE_VARIABLE] = str(path)
+    return environment
+
+
+@contextmanager
+def _environment_variable(name: str, value: str | None) -> Iterator[None]:
+    """Set an environment variable of this process while the block lasts."""
+    before = os.environ.get(name)
+    if value is not None:
+        os.environ[name] = value
+    try:
+        yield
+    finally:
+        if before is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = before
 
 
 @contextmanager
@@ -178,13 +200,17 @@ def run_graph(
         options = {POSTPROC: {"bag": str(bag), "overwrite": overwrite}}
         parameters.write_text(parameter_yaml(case, options), encoding="utf-8")
         arguments = ["--ros-args", "--disable-external-lib-logs", "--params-file", str(parameters)]
+        environment = _environment(domain, folder)
         try:
             for name, program in programs.items():
                 log = folder / f"{name}.log"
-                children[name] = Child(name, [str(program), *arguments], log, _environment(domain))
+                children[name] = Child(name, [str(program), *arguments], log, environment)
             if on_start is not None:
                 on_start(children)
-            with Supervisor(domain, children, should_stop) as graph:
+            with (
+                _environment_variable(PROFILE_VARIABLE, environment.get(PROFILE_VARIABLE)),
+                Supervisor(domain, children, should_stop) as graph,
+            ):
                 graph.await_services(limits.start)
                 began["configure"] = time.monotonic()
                 graph.change_states(list(children), Transition.TRANSITION_CONFIGURE, limits.configure)

@@ -1,0 +1,92 @@
+"""The wave stage: blocks of elevation and loads, and the basis of the loads."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from owt_model.config import parse_case
+from owt_wave_node.core.loads import jacket_loads
+from owt_wave_node.core.stage import WaveStage, build_wave_stage
+
+
+@pytest.fixture(scope="module")
+def case():
+    return parse_case(
+        {
+            "time": {"dt_s": 0.1, "n": 130},
+            "gauges_m": [[0.0, 0.0], [10.0, -5.0]],
+            "sea_state": {"hs_m": 4.0, "tp_s": 8.0},
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def stage(case, oc4) -> WaveStage:
+    return build_wave_stage(case, oc4)
+
+
+def test_blocks_tile_the_record(stage: WaveStage, case, oc4) -> None:
+    loads = [stage.load_block(i) for i in range(stage.n_blocks)]
+    elevations = [stage.elevation_block(i) for i in range(stage.n_blocks)]
+    for blocks in (loads, elevations):
+        assert [b.sequence for b in blocks] == [0, 1, 2]
+        assert [b.start for b in blocks] == [0, 50, 100]
+        assert [b.last for b in blocks] == [False, False, True]
+        assert {b.dt for b in blocks} == {0.1}
+    whole = jacket_loads(case, oc4).history
+    nodal = np.concatenate([b.nodal for b in loads])
+    assert np.array_equal(nodal, whole.nodal.transpose(2, 0, 1))
+    fixed = np.concatenate([b.fixed_end for b in loads])
+    assert fixed.shape == (130, whole.element.size, 12)
+    assert not np.any(fixed[:, :, [0, 3, 6, 9]])  # no axial force, no torsion
+    assert np.array_equal(fixed[:, :, [1, 5, 7, 11, 2, 4, 8, 10]], -whole.end_rows.transpose(2, 0, 1))
+    assert set(loads[0].element.tolist()) <= set(oc4.end_element.tolist())
+    assert loads[0].model_hash == oc4.structure.content_hash
+    total = np.concatenate([b.total for b in elevations])
+    assert total.shape == (130, 2)
+    first = np.concatenate([b.first_order for b in elevations])
+    assert np.abs(total - first).max() > 1e-3
+    with pytest.raises(IndexError):
+        stage.load_block(3)
+
+
+def test_block_arrays_are_contiguous(stage: WaveStage) -> None:
+    load, elevation = stage.load_block(2), stage.elevation_block(2)
+    for array in (load.nodal, load.fixed_end, elevation.total, elevation.first_order):
+        assert array.flags.c_contiguous
+        assert array.shape[0] == 30
+
+
+def test_fixed_end_forces_oppose_the_loads(stage: WaveStage, oc4) -> None:
+    """Loads on a joint of one member are minus that member's fixed-end forces in global axes."""
+    block = stage.load_block(0)
+    hydro = stage.history.hydro
+    checked = 0
+    for row, e in enumerate(block.element):
+        member = oc4.element_member[e]
+        for side, node in enumerate(oc4.element_node[e]):
+            if oc4.member_element[member, side] != e or np.count_nonzero(oc4.member_node == node) != 1:
+                continue
+            axes = hydro.element_axes[int(np.flatnonzero(hydro.element == e)[0])]
+            local = -block.fixed_end[:, row, 6 * side : 6 * side + 3] @ axes
+            at = int(np.flatnonzero(block.node == node)[0])
+            assert local == pytest.approx(block.nodal[:, at, :3], abs=1e-6)
+            checked += 1
+    assert checked >= 4  # the piles end at the sea bed
+
+
+def test_basis_of_the_loads(stage: WaveStage) -> None:
+    basis = stage.load_basis(5)
+    assert basis.vectors.shape == (5, stage.history.node.size, 6)
+    flat = basis.vectors.reshape(5, -1)
+    assert np.abs(flat @ flat.T - np.eye(5)).max() < 1e-9
+    assert basis.snapshots == 130
+    assert stage.load_basis(0).vectors.shape[0] == 0
+
+
+def test_same_seed_same_numbers(case, oc4, stage: WaveStage) -> None:
+    again = build_wave_stage(case, oc4)
+    assert np.array_equal(again.history.nodal, stage.history.nodal)
+    other = case.model_copy(update={"sea_state": case.sea_state.model_copy(update={"seed": 2})})
+    assert not np.allclose(build_wave_stage(other, oc4).total, stage.total)

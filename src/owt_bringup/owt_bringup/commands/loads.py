@@ -27,7 +27,8 @@ def run(options: argparse.Namespace) -> int:
     case = load_case(options.case)
     mesh = build_mesh(load_structure(case.structure.model))
     result = jacket_loads(case, mesh)
-    arrays = {name: getattr(result, name) for name in ("t", "force", "moment", "nodal")}
+    arrays = {name: getattr(result, name) for name in ("t", "force", "moment")}
+    arrays["nodal"] = result.nodal()
     arrays["node_position_m"] = mesh.node_position
     arrays["node_name"] = np.array(mesh.node_name)
     write_npz(options.output, arrays)

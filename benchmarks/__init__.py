@@ -1,0 +1,1 @@
+"""Side-by-side timings; equality with the alternative is checked before anything is timed."""

@@ -96,6 +96,18 @@ def test_upright_cylinder_in_a_linear_wave(listed, column) -> None:
     assert turned.force[:, 1] == pytest.approx(got.force[:, 0] * math.sin(b), abs=1e-6 * np.abs(exact).max())
 
 
+def test_upright_cylinder_under_wheeler_stretching(listed, column) -> None:
+    """z' + d = d (z + d) / (d + eta): the inertia force is that up to z = 0 times (d + eta) / d."""
+    omega, a = 2.0 * math.pi / 10.0, 3.0
+    k = float(wavenumber(np.array([omega]), water_depth=20.0, gravity=G)[0])
+    got = jacket_loads(column_case(listed, a, 0.05, stretching="wheeler"), column())
+    still = inertia_force(got.t, a, omega, k, 20.0, moving=False)
+    exact = still * (1.0 + a * np.cos(omega * got.t) / 20.0)
+    assert np.abs(got.force[:, 0] - exact).max() < 1e-5 * np.abs(exact).max()
+    other = inertia_force(got.t, a, omega, k, 20.0, moving=True)
+    assert np.abs(other - exact).max() > 1e-3 * np.abs(exact).max()  # the wrong variant: not stretched
+
+
 def rate(errors: list[float]) -> float:
     return float(np.polyfit(range(len(errors)), -np.log2(errors), 1)[0])
 

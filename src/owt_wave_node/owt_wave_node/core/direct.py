@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from owt_wave_node.core.field import Kinematics, Points, Prepared, Series
+from owt_wave_node.core.field import Kinematics, Points, Prepared, Profile, Series
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import pair_tables, set_down
@@ -86,9 +86,14 @@ class DirectField:
     def first(self, x: Points, z: Points) -> Kinematics:
         """First-order kinematics [eq. 4.8-4.11], stretched above still water."""
         waves = self.waves
-        horizontal, vertical = first_order_profile(
+        profile = first_order_profile(
             waves.wavenumber, z, water_depth=waves.depth, stretching=waves.stretching
         )
+        return self.shaped(x, *profile)
+
+    def shaped(self, x: Points, horizontal: Profile, vertical: Profile) -> Kinematics:
+        """First-order kinematics with given vertical factors instead of those of a level."""
+        waves = self.waves
         speed = waves.gravity * waves.wavenumber / waves.omega * waves.amplitude
         here = speed * np.exp(-1j * x[:, None] * waves.wavenumber)
         u, w = here * horizontal, 1j * here * vertical
@@ -137,7 +142,9 @@ class _DirectPrepared:
 
     def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some 4 time"]:
         x, z = self._x[index], self._z[index]
-        return np.add(self._field.first(x, z), self._field.second(x, z))
+        total = self._field.first(x, z)
+        total += self._field.second(x, z)
+        return total
 
 
 def _real_product(v: Complex[np.ndarray, "t m"], matrix: Matrix) -> Complex[np.ndarray, "t m"]:

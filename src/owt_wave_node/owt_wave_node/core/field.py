@@ -26,6 +26,7 @@ __all__ = ["Field", "GridField", "Prepared"]
 Points = Float[np.ndarray, " point"]
 Series = Float[np.ndarray, "point time"]
 Kinematics = Float[np.ndarray, "point 4 time"]
+Profile = Float[np.ndarray, "point component"]
 
 #: Largest exponent in the scaled factors of the difference pairs; exp(700) would overflow.
 MAX_SCALED = 300.0
@@ -52,6 +53,10 @@ class Field(Protocol):
 
     def first(self, x: Points, z: Points) -> Kinematics:
         """First-order kinematics, stretched above still water."""
+        ...
+
+    def shaped(self, x: Points, horizontal: Profile, vertical: Profile) -> Kinematics:
+        """First-order kinematics with given vertical factors instead of those of a level."""
         ...
 
     def second(self, x: Points, z: Points) -> Kinematics:
@@ -102,6 +107,15 @@ class GridField:
         parts = map_threads(part, np.array_split(x, range(CHUNK, x.size, CHUNK)))
         return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
 
+    def _first_spectra(
+        self, x: Points, horizontal: Profile, vertical: Profile, out: Complex[np.ndarray, "point 2 bin"]
+    ) -> None:
+        """Add the coefficients of u and w of the first order [eq. 4.32, 4.33]."""
+        _kernel.first_order(
+            x, horizontal, vertical, self.wavenumber, self.omega, self.bins, self.amplitude,
+            self.waves.gravity, out,
+        )  # fmt: skip
+
     def _spectra(
         self, x: Points, z: Points, *, first: bool, second: bool
     ) -> Complex[np.ndarray, "point 2 bin"]:
@@ -111,13 +125,10 @@ class GridField:
 
         def part(rows: slice) -> None:
             if first:
-                horizontal, vertical = first_order_profile(
+                profile = first_order_profile(
                     self.wavenumber, z[rows], water_depth=waves.depth, stretching=waves.stretching
                 )
-                _kernel.first_order(
-                    x[rows], horizontal, vertical, self.wavenumber, self.omega, self.bins, self.amplitude,
-                    waves.gravity, out[rows],
-                )  # fmt: skip
+                self._first_spectra(x[rows], *profile, out[rows])
             if second and self._tables is not None:
                 _kernel.second_velocity(
                     x[rows], second_order_level(z[rows], waves.stretching), self.wavenumber, self.bins,
@@ -131,6 +142,12 @@ class GridField:
     def first(self, x: Points, z: Points) -> Kinematics:
         """First-order kinematics, stretched above still water."""
         return self._in_time(self._spectra(x, z, first=True, second=False), np.arange(x.size))
+
+    def shaped(self, x: Points, horizontal: Profile, vertical: Profile) -> Kinematics:
+        """First-order kinematics with given vertical factors instead of those of a level."""
+        spectra = np.zeros((x.size, 2, self._n_bins), dtype=complex)
+        self._first_spectra(x, horizontal, vertical, spectra)
+        return self._in_time(spectra, np.arange(x.size))
 
     def second(self, x: Points, z: Points) -> Kinematics:
         """Second-order kinematics; zero at order 1."""

@@ -1,21 +1,60 @@
-"""Wheeler stretching of the first order [eq. 2.17, 2.18]."""
+"""Wheeler stretching of the first order [eq. 2.17, 2.18], and the choice of route.
+
+The stretched level z' of a fixed point moves with the surface. The linear field is evaluated at the
+Chebyshev levels of the range that z' covers, as many as make the interpolation exact to round-off, and
+interpolated in z' at every time.
+"""
 
 from __future__ import annotations
+
+import math
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from owt_model.errors import ComputationError
 from owt_wave_node.core.direct import DirectField
-from owt_wave_node.core.field import Field, GridField, Kinematics, Points, Prepared, Series
+from owt_wave_node.core.field import (
+    Field,
+    GridField,
+    Kinematics,
+    Points,
+    Prepared,
+    Profile,
+    Series,
+)
 from owt_wave_node.core.grid import frequency_grid
-from owt_wave_node.core.parallel import map_threads
+from owt_wave_node.core.profile import first_order_profile
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.kernels import wheeler as _kernel
 
 __all__ = ["WheelerField", "make_field"]
 
-#: Samples per call of the kernel, so that its tables stay small.
-BLOCK = 512
+#: Bound on the error of the interpolation, relative to the largest value in the range of levels.
+TOLERANCE = 1e-13
+MAX_LEVELS = 400
+
+
+def _level_count(exponent: float) -> int:
+    """Levels that interpolate exp(k z) to round-off where k times half the range is `exponent`.
+
+    The Chebyshev coefficients of exp(e s) are 2 I_j(e) <= 2 (e / 2)^j / j! exp(e^2 / 4 / (j + 1)); they are
+    compared with the largest value, exp(e).
+    """
+    term, count = 2.0, 0
+    while term > TOLERANCE:
+        count += 1
+        term *= 0.5 * exponent / count
+        bound = term * math.exp(min(0.25 * exponent**2 / (count + 1) - exponent, 0.0))
+        if bound <= TOLERANCE and count > exponent:
+            break
+        if count > MAX_LEVELS:
+            raise ComputationError(
+                f"Wheeler stretching over k dz = {2.0 * exponent:.3g} needs too many levels; "
+                "lower the cut-off"
+            )
+    return count + 2
 
 
 class WheelerField:
@@ -25,36 +64,58 @@ class WheelerField:
     the formula does not hold, the profile continues along its tangent at the surface.
     """
 
-    def __init__(self, waves: Waves, surface: Field) -> None:
+    def __init__(self, waves: Waves, linear: Field) -> None:
         self.waves = waves
-        self._surface = surface
+        self._linear = linear
+        # One per profile of the route: components that share a bin of the grid are merged there.
+        self._wavenumber = linear.wavenumber if isinstance(linear, GridField) else waves.wavenumber
 
     def elevation(self, x: Points) -> tuple[Series, Series]:
         """First-order elevation in m and zeros."""
-        return self._surface.elevation(x)
+        return self._linear.elevation(x)
 
     def first(self, x: Points, z: Points) -> Kinematics:
         """Stretched kinematics."""
-        waves = self.waves
+        out = np.empty((x.size, 4, self.waves.n))
         eta, _ = self.elevation(x)
-        level = np.maximum((z[:, None] - eta) / (1.0 + eta / waves.depth), -waves.depth)
-        out = np.empty((x.size, 4, waves.n))
-
-        def part(start: int) -> None:
-            rows = slice(start, min(start + BLOCK, waves.n))
-            result = np.empty((x.size, 4, rows.stop - start))
-            _kernel.stretched(
-                x, np.ascontiguousarray(level[:, rows]), waves.omega, waves.wavenumber, waves.amplitude,
-                waves.depth, waves.gravity, start, waves.dt, result,
-            )  # fmt: skip
-            out[:, :, rows] = result
-
-        map_threads(part, range(0, waves.n, BLOCK))
+        depth = self.waves.depth
+        for p in range(x.size):
+            level = np.maximum((z[p] - eta[p]) / (1.0 + eta[p] / depth), -depth)
+            self._at_level(x[p : p + 1], level, out[p])
         return out
+
+    def _at_level(
+        self, x: Float[np.ndarray, " 1"], level: Float[np.ndarray, " time"], out: Float[np.ndarray, "4 time"]
+    ) -> None:
+        """Kinematics at a level in m that changes with time."""
+        wet = np.minimum(level, 0.0)
+        low, high = float(wet.min()), float(wet.max())
+        middle, half = 0.5 * (high + low), max(0.5 * (high - low), 1e-12)
+        count = _level_count(float(self._wavenumber.max()) * half)
+        node = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+        profile = first_order_profile(
+            self._wavenumber,
+            np.minimum(middle + half * node, 0.0),
+            water_depth=self.waves.depth,
+            stretching="constant",
+        )
+        # Discrete cosine transform from values at the nodes to coefficients of the series.
+        transform = np.cos(np.outer(np.arange(count), np.arccos(node))) * (2.0 / count)
+        transform[0] *= 0.5
+        coefficient = self._linear.shaped(np.full(count, x[0]), *(transform @ part for part in profile))
+        _kernel.series(coefficient, (wet - middle) / half, out)
+        above = np.maximum(level, 0.0)
+        if above.any():
+            k = self._wavenumber[None, :]
+            out += above * self._linear.shaped(x, k * np.tanh(k * self.waves.depth), k.copy())[0]
 
     def second(self, x: Points, z: Points) -> Kinematics:
         """Zeros: Wheeler stretches the first order only."""
         return np.zeros((x.size, 4, self.waves.n))
+
+    def shaped(self, x: Points, horizontal: Profile, vertical: Profile) -> Kinematics:
+        """Kinematics with given vertical factors, which leave nothing to stretch."""
+        return self._linear.shaped(x, horizontal, vertical)
 
     def prepare(self, x: Points, z: Points) -> Prepared:
         """Remember the points."""
@@ -71,6 +132,7 @@ class _WheelerPrepared:
 
 def make_field(waves: Waves) -> Field:
     """Choose the route: Fourier transforms where the components lie on a grid, direct sums elsewhere."""
+    if waves.stretching == "wheeler":
+        return WheelerField(waves, make_field(replace(waves, stretching="constant")))
     grid = frequency_grid(waves.omega, dt=waves.dt, n=waves.n, order=waves.order)
-    field: Field = DirectField(waves) if grid is None else GridField(waves, grid)
-    return WheelerField(waves, field) if waves.stretching == "wheeler" else field
+    return DirectField(waves) if grid is None else GridField(waves, grid)

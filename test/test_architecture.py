@@ -16,7 +16,8 @@ MAX_NODE_LINES = 150
 
 
 def tracked(pattern: str) -> list[Path]:
-    listing = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", pattern], cwd=ROOT, capture_output=True, text=True, check=True)
+    command = ["git", "ls-files", "-co", "--exclude-standard", pattern]
+    listing = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     return [ROOT / line for line in listing.stdout.splitlines() if (ROOT / line).is_file()]
 
 
@@ -42,7 +43,10 @@ def test_import_contract_would_notice_ros_in_core(tmp_path: Path) -> None:
         "forbidden_modules = rclpy\n"
     )
     result = subprocess.run(
-        [BIN / "lint-imports", "--no-cache"], cwd=tmp_path, capture_output=True, text=True,
+        [BIN / "lint-imports", "--no-cache"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
         env={"PYTHONPATH": str(tmp_path), "PATH": "/usr/bin:/bin"},
     )
     assert result.returncode != 0
@@ -50,8 +54,8 @@ def test_import_contract_would_notice_ros_in_core(tmp_path: Path) -> None:
 
 
 def test_files_stay_readable() -> None:
-    long = {str(path.relative_to(ROOT)): n for path in tracked("*.py") if (n := len(path.read_text().splitlines())) > MAX_LINES}
-    assert not long
+    lengths = {path.relative_to(ROOT): len(path.read_text().splitlines()) for path in tracked("*.py")}
+    assert not {path: n for path, n in lengths.items() if n > MAX_LINES}
 
 
 def test_nodes_hold_no_formula() -> None:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import argparse
 from typing import Any, Literal, get_args, get_origin
 
+from pydantic import BaseModel
+
 from owt_model.config import CaseConfig, SeaStateConfig, Stream, StructureConfig, Wave, parse_case
 from owt_model.errors import InputError
 
 __all__ = ["add_case_flags", "case_from_flags"]
 
 #: Flag -> section of the case and its field.
-FLAGS: dict[str, tuple[str, str, type]] = {
+FLAGS: dict[str, tuple[str, str, type[BaseModel]]] = {
     "hs": ("sea_state", "hs_m", SeaStateConfig),
     "tp": ("sea_state", "tp_s", SeaStateConfig),
     "gamma": ("sea_state", "gamma", SeaStateConfig),

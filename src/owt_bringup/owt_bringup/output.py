@@ -83,7 +83,7 @@ def write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:
         If nothing can be written there.
     """
     with atomic_path(path) as partial, partial.open("wb") as stream:
-        np.savez(stream, allow_pickle=False, **arrays)  # type: ignore[arg-type]
+        np.savez(stream, allow_pickle=False, **arrays)
 
 
 def write_json(path: Path, data: Any) -> None:

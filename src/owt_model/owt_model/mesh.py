@@ -107,7 +107,10 @@ def build_mesh(structure: Structure) -> Mesh:
     names = list(structure.joints)
     position = [np.array(p, dtype=float) for p in structure.joints.values()]
     sections = structure.sections
-    nodes, owner, properties, member_node, member_element = [], [], [], [], []
+    nodes: list[tuple[int, int]] = []
+    owner: list[int] = []
+    properties: list[tuple[float, ...]] = []
+    member_node, member_element = [], []
     n = structure.elements_per_member
     for m, (name, member) in enumerate(structure.members.items()):
         first, last = joint[member.joints[0]], joint[member.joints[1]]
@@ -159,7 +162,15 @@ def build_mesh(structure: Structure) -> Mesh:
     )
 
 
-def _add_tower(structure, transition_piece, names, position, nodes, owner, properties) -> list[int]:  # type: ignore[no-untyped-def]
+def _add_tower(
+    structure: Structure,
+    transition_piece: int,
+    names: list[str],
+    position: list[Float[np.ndarray, " 3"]],
+    nodes: list[tuple[int, int]],
+    owner: list[int],
+    properties: list[tuple[float, ...]],
+) -> list[int]:
     """Append the tower; each element has the diameter and thickness at its middle."""
     tower = structure.tower
     if tower is None:

@@ -22,10 +22,11 @@ def run(options: argparse.Namespace) -> int:
     from owt_model.config import load_case
     from owt_model.mesh import build_mesh
     from owt_model.structure import load_structure
+
+    case = load_case(options.case)  # before the costly imports: bad input is refused at once
+    mesh = build_mesh(load_structure(case.structure.model))
     from owt_wave_node.core.loads import jacket_loads
 
-    case = load_case(options.case)
-    mesh = build_mesh(load_structure(case.structure.model))
     result = jacket_loads(case, mesh)
     arrays = {name: getattr(result, name) for name in ("t", "force", "moment")}
     arrays["nodal"] = result.nodal()

@@ -18,9 +18,11 @@ def run(options: argparse.Namespace) -> int:
     """Compute and write t, eta1, eta2, velocity, acceleration, velocity2, acceleration2 and wet."""
     from owt_bringup.output import write_npz
     from owt_model.config import load_case
+
+    case = load_case(options.case)  # before the costly imports: bad input is refused at once
     from owt_wave_node.core.kinematics import wave_kinematics
 
-    result = wave_kinematics(load_case(options.case))
+    result = wave_kinematics(case)
     names = ("t", "eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2", "wet")
     write_npz(options.output, {name: getattr(result, name) for name in names})
     return 0

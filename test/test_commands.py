@@ -1,0 +1,190 @@
+"""The commands as a user calls them: files that appear whole or not at all, one line on bad input."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from owt_bringup.cli import COMMANDS, main
+from owt_bringup.output import write_npz
+from owt_model.errors import InputError
+
+ROOT = Path(__file__).parents[1]
+SHORT = {"time": {"n": 300}, "sea_state": {"hs_m": 3.0, "tp_s": 8.0, "cutoff_over_peak": 3.0}}
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Callable[..., Path]:
+    """Write a short case, changed as asked; return its path."""
+
+    def write(**changes: Any) -> Path:
+        path = tmp_path / "case.json"
+        path.write_text(json.dumps({**SHORT, **changes}))
+        return path
+
+    return write
+
+
+def one_line(text: str) -> None:
+    assert text.startswith("error: ")
+    assert text.count("\n") == 1
+    assert "Traceback" not in text
+
+
+def test_every_command_has_help(capsys: pytest.CaptureFixture[str]) -> None:
+    for command in COMMANDS:
+        with pytest.raises(SystemExit) as stop:
+            main([command, "--help"])
+        assert stop.value.code == 0
+        assert command in capsys.readouterr().out
+
+
+def test_unknown_command_and_flag_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments in (["magic"], ["waves", "--magic"], ["demo", "--hs", "six"], []):
+        with pytest.raises(SystemExit) as stop:
+            main(arguments)
+        assert stop.value.code == 2
+        one_line(capsys.readouterr().err)
+
+
+def test_waves_writes_what_it_documents(case: Callable[..., Path], tmp_path: Path) -> None:
+    out = tmp_path / "out.npz"
+    assert main(["waves", str(case(points_m=[[0, 0, -5], [3, 1, 1.0]])), "-o", str(out)]) == 0
+    with np.load(out) as data:
+        shapes = {name: data[name].shape for name in data}
+        assert data["wet"].dtype == bool
+        np.testing.assert_allclose(data["t"], np.arange(300) * 0.1)
+    assert shapes == {
+        "t": (300,), "eta1": (300, 2), "eta2": (300, 2), "wet": (300, 2), "velocity": (300, 2, 3),
+        "acceleration": (300, 2, 3), "velocity2": (300, 2, 3), "acceleration2": (300, 2, 3),
+    }  # fmt: skip
+
+
+def test_loads_balance(case: Callable[..., Path], tmp_path: Path) -> None:
+    """Total force and moment about the origin are those of the nodal loads."""
+    out = tmp_path / "out.npz"
+    assert main(["loads", str(case()), "-o", str(out)]) == 0
+    with np.load(out) as data:
+        force, moment, nodal, place = (data[k] for k in ("force", "moment", "nodal", "node_position_m"))
+    assert nodal.shape == (300, 418, 6)
+    scale = np.abs(moment).max()
+    np.testing.assert_allclose(nodal[..., :3].sum(axis=1), force, atol=1e-9 * np.abs(force).max())
+    lever = nodal[..., 3:].sum(axis=1) + np.cross(place, nodal[..., :3]).sum(axis=1)
+    np.testing.assert_allclose(lever, moment, atol=1e-9 * scale)
+    # Negative control: without the lever arms the moment is another.
+    assert np.abs(nodal[..., 3:].sum(axis=1) - moment).max() > 0.1 * scale
+
+
+def test_eigen_prints_one_json_object(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["eigen", "--model", "oc4-thesis", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    thesis = [0.381, 0.384, 1.048, 1.089, 1.183]
+    np.testing.assert_allclose(report["frequencies_hz"][:5], thesis, rtol=0.009)
+    assert np.shape(report["guyan_stiffness"]) == (6, 6)
+    assert report["mass_kg"] > 0
+    assert len(report["fixed_interface_frequencies_hz"]) > 0
+
+
+def test_simulate_writes_summary_series_and_report(
+    case: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "run"
+    assert main(["simulate", str(case()), "-o", str(out), "--full"]) == 0
+    assert "most damaged member end" in capsys.readouterr().out
+    summary = json.loads((out / "summary.json").read_text())
+    with np.load(out / "full.npz") as full, np.load(out / "series.npz") as series:
+        assert full["stress.von_mises"].shape == (5 * 299 + 1, 224)
+        np.testing.assert_array_equal(series["potential"], full["energy.potential"])
+        assert summary["fatigue"]["max_damage"] == series["damage"].max()
+    assert (out / "report.html").stat().st_size > 1e5
+
+
+BAD = [
+    {"sea_state": {"hs_m": -1.0}},
+    {"sea_state": {"tp_s": 0}},
+    {"water_depth_m": 48.9},
+    {"sea_state": {"hs_m": 28.0, "tp_s": 14.0}},
+    {"typo": 1},
+    {"structure": {"model": "no-such-structure"}},
+    {"structure": {"reduction": "CB10M"}},
+]
+
+
+@pytest.mark.parametrize("change", BAD, ids=str)
+def test_bad_case_leaves_nothing(
+    case: Callable[..., Path], tmp_path: Path, change: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Negative sizes, a wrong depth, a surface above the interface, unknown names: one line, no file."""
+    path, out = case(**change), tmp_path / "out.npz"
+    assert main(["loads", str(path), "-o", str(out)]) != 0 or change == {
+        "structure": {"reduction": "CB10M10"}
+    }
+    one_line(capsys.readouterr().err)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["case.json"]
+
+
+@pytest.mark.parametrize(
+    "flags",
+    [
+        ["--hs", "-1"], ["--tp", "0"], ["--hs", "nan"], ["--duration", "0"], ["--duration", "nan"],
+        ["--duration", "10.03"], ["--order", "3"], ["--reduction", "CB1"], ["--stretching", "magic"],
+        ["--model", "nowhere.yaml"], ["--gamma", "0.5"], ["--order", "2", "--stretching", "wheeler"],
+    ],
+    ids=" ".join,
+)  # fmt: skip
+def test_demo_refuses_bad_flags(flags: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--bag", str(tmp_path / "bag"), *flags]) == 1
+    one_line(capsys.readouterr().err)
+    assert not list(tmp_path.iterdir())
+
+
+def test_unwritable_output(
+    case: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = case(points_m=[[0, 0, -5]])
+    for out in ("/proc/out.npz", str(tmp_path / "absent" / "out.npz"), str(path / "below-a-file.npz")):
+        assert main(["waves", str(path), "-o", out]) == 1
+        one_line(capsys.readouterr().err)
+
+
+def test_a_failed_write_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full_disk(*_: Any, **__: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", full_disk)
+    with pytest.raises(InputError, match="No space left"):
+        write_npz(tmp_path / "out.npz", {"a": np.zeros(3)})
+    assert not list(tmp_path.iterdir())
+
+
+def test_points_are_asked_for(
+    case: Callable[..., Path], capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert main(["waves", str(case()), "-o", str(tmp_path / "out.npz")]) == 1
+    assert "points_m" in capsys.readouterr().err
+
+
+def test_recover_and_report_name_a_missing_bag(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments in (
+        ["recover", str(tmp_path / "no"), "-o", str(tmp_path / "new")],
+        ["report", str(tmp_path / "no")],
+    ):
+        assert main(arguments) == 1
+        one_line(capsys.readouterr().err)
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_runner_passes_errors_on(tmp_path: Path) -> None:
+    """The same through ./owt, as a process of its own."""
+    result = subprocess.run(
+        [ROOT / "owt", "waves", str(tmp_path / "no.json"), "-o", str(tmp_path / "o.npz")],
+        capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert result.returncode == 1
+    one_line(result.stderr)

@@ -34,7 +34,6 @@ REFUSED = [
     ({"points_m": [[0, 0]]}, "points_m[0][2]", "is missing"),
     ({"points_m": [[0, 0, -80]]}, "points_m[0]", "below the sea bed"),
     ({"structure": {"reduction": "CB1"}}, "structure.reduction", "CBnn"),
-    ({"structure": {"dt_s": 0.03}}, "structure.dt_s", "divide"),
     ({"components": {"omega_rad_s": [1.0], "amplitude_m": [1.0]}}, "components.phase_rad", "is missing"),
     (
         {"components": {"omega_rad_s": [1], "amplitude_m": [1, 2], "phase_rad": [0]}},
@@ -103,3 +102,11 @@ def test_round_trip_and_frozen() -> None:
 def test_committed_schema_is_that_of_the_code() -> None:
     committed = Path(__file__).parents[3] / "docs" / "case.schema.json"
     assert json.loads(committed.read_text()) == CaseConfig.model_json_schema()
+
+
+def test_integration_step_divides_the_load_step_where_it_is_used() -> None:
+    case = parse_case({"time": {"dt_s": 0.05}})
+    with pytest.raises(InputError, match="must divide") as caught:
+        _ = case.substeps
+    assert "0.0166667 s" in caught.value.remedy
+    assert parse_case({"time": {"dt_s": 0.05}, "structure": {"dt_s": 0.01}}).substeps == 5

@@ -1,0 +1,34 @@
+"""Schemas for bags: text and hash of installed messages."""
+
+import pytest
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+from owt_model.errors import InputError
+from owt_ros.schema import definition, type_hash, type_name
+from owt_ros.topics import CREDIT, RECORDED, STATUS
+
+
+@pytest.mark.parametrize("topic", RECORDED, ids=lambda topic: topic.label)
+def test_an_independent_library_reads_the_schema_and_computes_the_same_hash(topic) -> None:
+    name = type_name(topic.message)
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(definition(name), name))
+    assert store.hash_rihs01(name) == type_hash(name)
+
+
+def test_nested_types_appear_once() -> None:
+    text = definition("diagnostic_msgs/msg/DiagnosticArray")
+    for nested in ("std_msgs/Header", "builtin_interfaces/Time", "diagnostic_msgs/KeyValue"):
+        assert text.count(f"MSG: {nested}\n") == 1
+
+
+def test_unknown_types_are_named() -> None:
+    with pytest.raises(InputError, match="no_such_package"):
+        definition("no_such_package/msg/X")
+    with pytest.raises(InputError, match="has no definition"):
+        definition("owt_msgs/msg/NoSuchMessage")
+
+
+def test_flow_control_and_supervision_are_not_recorded() -> None:
+    assert CREDIT not in RECORDED
+    assert STATUS not in RECORDED

@@ -1,0 +1,164 @@
+"""Nodes of a graph in one process, on one executor, in a domain of their own: what tests drive and watch."""
+
+import time
+from collections.abc import Callable, Iterable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rclpy
+from owt_msgs.msg import NodeStatus
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.lifecycle import TransitionCallbackReturn
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from owt_campaign.pipeline import CaseBlocks, CaseRun
+from owt_model.config import CaseConfig, parse_case
+from owt_postproc.node import PostprocNode
+from owt_ros import convert
+from owt_ros.fields import case_values
+from owt_ros.lifecycle import StageNode
+from owt_ros.qos import qos_for
+from owt_ros.topics import DIAGNOSTICS, RECORDED, STATUS, Topic
+from owt_structure_node.node import StructureNode
+from owt_wave_node.node import WaveNode
+
+SUCCESS = TransitionCallbackReturn.SUCCESS
+NODES: tuple[type[StageNode], ...] = (PostprocNode, StructureNode, WaveNode)
+
+
+def short_case(**changes: Any) -> CaseConfig:
+    """20 s of a small first-order sea, in four blocks, the last one shorter."""
+    data: dict[str, Any] = {
+        "sea_state": {"hs_m": 2.0, "tp_s": 8.0, "seed": 3},
+        "wave": {"order": 1},
+        "time": {"n": 190},
+        "structure": {"reduction": "CB04M03"},
+        "gauges_m": [[0.0, 0.0], [10.0, -5.0]],
+    }
+    return parse_case({**data, **changes})
+
+
+class LocalGraph:
+    """Some nodes of a graph and a watcher; a context manager.
+
+    Nodes and watcher share a process, where Fast DDS reports idle publishers as dead: watching peers is off.
+    """
+
+    def __init__(
+        self,
+        domain: int,
+        case: CaseConfig,
+        bag: Path,
+        kinds: Iterable[type[StageNode]] = NODES,
+        overrides: dict[str, dict[str, Any]] | None = None,
+    ) -> None:
+        self.case, self.bag = case, bag
+        self.context = Context()
+        rclpy.init(context=self.context, domain_id=domain)
+        self._stack = ExitStack()
+        self._executor = SingleThreadedExecutor(context=self.context)
+        self.watcher = Node("watcher", context=self.context, use_global_arguments=False)
+        self._executor.add_node(self.watcher)
+        self.status: list[NodeStatus] = []
+        self.diagnostics: list[Any] = []
+        profile = qos_for(STATUS)
+        profile.depth = 200
+        self.watcher.create_subscription(NodeStatus, STATUS.name, self.status.append, profile)
+        self.watcher.create_subscription(
+            DIAGNOSTICS.message, DIAGNOSTICS.name, self.diagnostics.append, qos_for(DIAGNOSTICS)
+        )
+        self.nodes: dict[str, StageNode] = {}
+        for kind in kinds:
+            values = {**case_values(case), "lease_s": 0.0, **(overrides or {}).get(kind.ROLE, {})}
+            if kind is PostprocNode:
+                values = {"bag": str(bag), **values}
+            given = [Parameter(name, value=value) for name, value in values.items()]
+            node = kind(context=self.context, parameter_overrides=given, use_global_arguments=False)
+            self.nodes[kind.ROLE] = node
+            self._executor.add_node(node)
+
+    def listen(self, topics: Iterable[Topic] = RECORDED) -> dict[str, list[Any]]:
+        """Collect every message of `topics`."""
+        found: dict[str, list[Any]] = {topic.label: [] for topic in topics}
+        for topic in topics:
+            profile = qos_for(topic, window=10_000)
+            self.watcher.create_subscription(topic.message, topic.name, found[topic.label].append, profile)
+        return found
+
+    def start(self) -> None:
+        """Configure and activate all nodes, consumers first."""
+        for node in self.nodes.values():
+            assert node.trigger_configure() == SUCCESS, self.status
+        for node in self.nodes.values():
+            assert node.trigger_activate() == SUCCESS, self.status
+
+    def spin_until(self, ready: Callable[[], bool], seconds: float = 60.0) -> None:
+        """Spin until `ready()`, at most `seconds`."""
+        deadline = time.monotonic() + seconds
+        while not ready():
+            assert time.monotonic() < deadline, self.status[-5:]
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def spin_for(self, seconds: float) -> None:
+        """Spin for a while: only to show that nothing happens."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def codes(self, name: str) -> list[int]:
+        """Status codes that node `name` has published."""
+        return [message.code for message in self.status if message.node == name]
+
+    def is_done(self) -> bool:
+        """Tell whether the bag is complete, or something failed."""
+        assert NodeStatus.ERROR not in [message.code for message in self.status], self.status[-1]
+        return NodeStatus.DONE in self.codes(PostprocNode.ROLE)
+
+    def error_of(self, name: str) -> str:
+        """Wait for the error status of node `name` and return its message."""
+        self.spin_until(lambda: NodeStatus.ERROR in self.codes(name))
+        return next(m.message for m in self.status if m.node == name and m.code == NodeStatus.ERROR)
+
+    def __enter__(self) -> "LocalGraph":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for node in self.nodes.values():
+            node.close()
+            node.destroy_node()
+        self._executor.shutdown(timeout_sec=1.0)
+        self.watcher.destroy_node()
+        rclpy.shutdown(context=self.context)
+
+
+def assert_messages_equal(name: str, one: Any, two: Any) -> None:
+    """Compare two messages of any make, rclpy or rosbags, field by field, number by number."""
+    fields = [field for field in one.get_fields_and_field_types()]
+    for field in fields:
+        a, b = getattr(one, field), getattr(two, field)
+        if hasattr(a, "get_fields_and_field_types"):
+            assert_messages_equal(f"{name}.{field}", a, b)
+        elif hasattr(a, "__len__") and not isinstance(a, str) and not (len(a) and isinstance(a[0], str)):
+            np.testing.assert_array_equal(np.asarray(a), np.asarray(b), err_msg=f"{name}.{field}")
+        else:
+            assert (list(a) == list(b)) if isinstance(a, list) else (a == b), f"{name}.{field}"
+
+
+def expected_messages(run: CaseRun, blocks: list[CaseBlocks]) -> dict[str, list[Any]]:
+    """What the graph must publish, by topic."""
+    return {
+        "/owt/model": [convert.model_message(run.mesh)],
+        "/owt/sea_state": [convert.sea_state_message(run.wave.sea_state)],
+        "/owt/load_basis": [convert.load_basis_message(run.load_basis)],
+        "/owt/reduced_model": [convert.reduced_model_message(run.response.description)],
+        "/owt/surface_elevation": [convert.elevation_message(b.elevation) for b in blocks],
+        "/owt/nodal_loads": [convert.nodal_loads_message(b.load) for b in blocks],
+        "/owt/modal_state": [convert.modal_message(b.modal) for b in blocks],
+        "/owt/member_stress": [convert.stress_message(b.stress) for b in blocks],
+        "/owt/energy": [convert.energy_message(b.energy) for b in blocks],
+        "/owt/fatigue": [convert.fatigue_message(b.fatigue) for b in blocks],
+    }

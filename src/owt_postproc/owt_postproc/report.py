@@ -23,7 +23,6 @@ from owt_postproc.report_data import ReportData
 
 __all__ = ["render", "summary", "write_report"]
 
-SECONDS_PER_YEAR = 365.25 * 86400.0
 TABLE_ROWS = 30
 #: Figures that stand beside one another: two on the left, one on the right.
 BESIDE = ("damage", "exceedance", "jacket")
@@ -200,12 +199,11 @@ def _tiles(data: ReportData) -> str:
         tiles.append((f"{np.hypot(*data.tower_top[:, :2].T).max():.3f} m", "largest tower-top displacement"))
     tiles += [
         (f"{1e-6 * data.fatigue.max_range.max():.1f} MPa", "largest stress range"),
-        (_power(damage), f"largest damage, at {data.end_name}"),
+        (
+            _power(damage),
+            f"largest damage, at {data.end_name}; nominal stress, SCF {data.fatigue.scf:g}",
+        ),
     ]
-    if damage > 0.0:
-        years = data.fatigue.duration_s / damage / SECONDS_PER_YEAR
-        life = f"{years:.3g} years" if years >= 1.0 else f"{365.25 * years:.3g} days"
-        tiles.append((life, "life if this sea state never ended"))
     return (
         '<div class="tiles">'
         + "".join(f'<div class="tile"><b>{_text(v)}</b><span>{_text(k)}</span></div>' for v, k in tiles)

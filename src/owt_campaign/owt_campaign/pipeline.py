@@ -10,6 +10,7 @@ import numpy as np
 
 from owt_model.config import CaseConfig
 from owt_model.contracts import (
+    SEA_FACTS,
     Block,
     ElevationBlock,
     EnergyBlock,
@@ -27,10 +28,6 @@ from owt_structure_node.core import stage as response_stage
 from owt_wave_node.core.stage import WaveStage, build_wave_stage
 
 __all__ = ["CaseBlocks", "CaseResult", "CaseRun", "prepare_case", "run_case", "stream_case"]
-
-SEA_FACTS = (
-    "hs_m", "tp_s", "gamma", "direction_deg", "seed", "order", "stretching", "cutoff_rad_s", "water_depth_m"
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -195,7 +192,7 @@ def run_case(
         reduced=run.response.description,
         fatigue=fatigue_stage.final(run.fatigue, state),
         geometry=mesh_geometry(run.mesh),
-        sea_state={name: getattr(sea, name) for name in SEA_FACTS} | {"duration_s": sea.n * sea.dt_s},
+        sea_state={name: getattr(sea, name) for name in SEA_FACTS},
         versions=versions,
     )
     return CaseResult(report, _series(kept), run.clock.seconds)

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 __all__ = [
+    "SEA_FACTS",
     "ElevationBlock",
     "EnergyBlock",
     "FatigueBlock",
@@ -23,6 +24,21 @@ __all__ = [
     "SeaState",
     "StressBlock",
 ]
+
+
+#: Scalars of a sea state that a report shows; its message holds them under the same names.
+SEA_FACTS = (
+    "hs_m",
+    "tp_s",
+    "gamma",
+    "direction_deg",
+    "seed",
+    "order",
+    "stretching",
+    "cutoff_rad_s",
+    "water_depth_m",
+    "duration_s",
+)
 
 
 @dataclass(frozen=True)
@@ -50,6 +66,11 @@ class SeaState:
     gamma: float = 0.0
     seed: int = 0
     cutoff_rad_s: float = 0.0
+
+    @property
+    def duration_s(self) -> float:
+        """Length n dt of the record in s."""
+        return self.n * self.dt_s
 
 
 @dataclass(frozen=True)

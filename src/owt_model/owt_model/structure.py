@@ -146,8 +146,8 @@ class Structure(_Frozen):
     elements_per_member: Annotated[int, Field(ge=1, le=100)] = 4
     extra_mass: Literal["distributed", "joints"] = Field(
         "distributed",
-        description="growth, flood water and added mass: distributed along the members, or isotropic masses at the "
-        "joints with the zone decided by the member's midpoint (thesis)",
+        description="growth, flood water and added mass: distributed along the members, or isotropic masses "
+        "at the joints with the zone decided by the member's midpoint (thesis)",
     )
     mudline_z_m: float
     sections: dict[str, Section]

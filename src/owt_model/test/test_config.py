@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from owt_model.config import CaseConfig, load_case, parse_case
 from owt_model.errors import InputError
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from owt_model.errors import InputError
 from owt_model.pod import load_basis
 
@@ -59,7 +60,7 @@ def test_refuses_more_vectors_than_shapes() -> None:
 
 
 def test_lanczos_agrees_with_the_dense_decomposition() -> None:
-    """A history larger than the dense limit: same values and vectors as LAPACK, to round-off of the largest."""
+    """A history larger than the dense limit: same values and vectors as LAPACK."""
     shapes = np.linalg.qr(RNG.standard_normal((360, 360)))[0].reshape(360, 60, 6)
     nodal = np.tensordot(RNG.standard_normal((900, 360)) * 0.9 ** np.arange(360), shapes, axes=1)
     basis = load_basis(nodal, np.arange(60), 6, model_hash="h")

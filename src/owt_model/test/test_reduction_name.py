@@ -1,6 +1,7 @@
 """The name of a reduction."""
 
 import pytest
+
 from owt_model.errors import InputError
 from owt_model.reduction_name import ReductionName, parse_reduction
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from owt_model.errors import InputError
 from owt_model.mesh import DOF_FIXED, DOF_TIED, build_mesh
 from owt_model.structure import load_structure, parse_structure, shipped_structures

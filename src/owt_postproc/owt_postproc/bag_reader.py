@@ -14,17 +14,10 @@ from typing import Any
 import numpy as np
 from mcap.reader import make_reader
 
-from owt_model.contracts import (
-    Block,
-    ElevationBlock,
-    EnergyBlock,
-    LoadBlock,
-    ModalBlock,
-    ReducedDescription,
-    StressBlock,
-)
+from owt_model.contracts import Block
 from owt_model.errors import ComputationError, InputError
 from owt_postproc.bag_recovery import find_files
+from owt_ros import decode
 
 __all__ = ["BagArrays", "BagFiles", "BagMessage", "read_bag", "read_files", "read_messages", "to_block"]
 
@@ -181,64 +174,12 @@ def _seconds(header: Any) -> float:
     return float(header.stamp.sec + 1e-9 * header.stamp.nanosec)
 
 
-def _head(content: Any) -> dict[str, Any]:
-    dt = float(content.dt)
-    ns = int(content.header.stamp.sec) * 10**9 + int(content.header.stamp.nanosec)
-    return {
-        "sequence": int(content.sequence),
-        "start": round(ns * 1e3 / round(dt * 1e12)),
-        "dt": dt,
-        "last": bool(content.last),
-    }
-
-
-def _elevation(content: Any) -> ElevationBlock:
-    n = int(content.samples)
-    return ElevationBlock(
-        **_head(content),
-        gauge=content.gauge_m.reshape(-1, 2),
-        first_order=content.first_order.reshape(n, -1),
-        total=content.total.reshape(n, -1),
-    )
-
-
-def _load(content: Any) -> LoadBlock:
-    n = int(content.samples)
-    return LoadBlock(
-        **_head(content),
-        model_hash=content.model_hash,
-        node=content.node.astype(np.int64),
-        element=content.element.astype(np.int64),
-        nodal=content.nodal.reshape(n, len(content.node), 6),
-        fixed_end=content.fixed_end.reshape(n, len(content.element), 12),
-    )
-
-
-def _sampled(contract: Callable[..., Block], *names: str) -> Callable[[Any], Block]:
-    def convert(content: Any) -> Block:
-        n = int(content.samples)
-        return contract(**_head(content), **{name: getattr(content, name).reshape(n, -1) for name in names})
-
-    return convert
-
-
-def _energy(content: Any) -> EnergyBlock:
-    n = int(content.samples)
-    return EnergyBlock(
-        **_head(content),
-        potential=content.potential,
-        kinetic=content.kinetic,
-        potential_mode=content.potential_mode.reshape(n, -1),
-        kinetic_mode=content.kinetic_mode.reshape(n, -1),
-    )
-
-
-_CONVERT: dict[str, Callable[[Any], Block]] = {
-    f"{PREFIX}SurfaceElevation": _elevation,
-    f"{PREFIX}NodalLoads": _load,
-    f"{PREFIX}ModalState": _sampled(ModalBlock, "displacement", "velocity", "acceleration"),
-    f"{PREFIX}MemberStress": _sampled(StressBlock, "axial", "bending_y", "bending_z", "von_mises"),
-    f"{PREFIX}Energy": _energy,
+_DECODE: dict[str, Callable[[Any], Block]] = {
+    f"{PREFIX}SurfaceElevation": decode.to_elevation,
+    f"{PREFIX}NodalLoads": decode.to_nodal_loads,
+    f"{PREFIX}ModalState": decode.to_modal,
+    f"{PREFIX}MemberStress": decode.to_stress,
+    f"{PREFIX}Energy": decode.to_energy,
 }
 
 
@@ -250,26 +191,5 @@ def to_block(message: BagMessage) -> Block | None:
     ComputationError
         If its arrays do not fit its number of samples.
     """
-    convert = _CONVERT.get(message.type_name)
-    if convert is None:
-        return None
-    try:
-        return convert(message.content)
-    except ValueError as error:
-        raise ComputationError(
-            f"{message.topic} sequence {message.content.sequence}: malformed ({error})."
-        ) from None
-
-
-def to_reduced(content: Any) -> ReducedDescription:
-    """Description of the reduced model from its message."""
-    return ReducedDescription(
-        model_name=content.model_name,
-        model_hash=content.model_hash,
-        reduction=content.reduction,
-        coordinate_name=tuple(content.coordinate_name),
-        frequency_hz=np.asarray(content.frequency_hz),
-        damping_ratio=np.asarray(content.damping_ratio),
-        end_name=tuple(content.end_name),
-        tower_top_coordinate=int(content.tower_top_coordinate),
-    )
+    read = _DECODE.get(message.type_name)
+    return None if read is None else read(message.content)

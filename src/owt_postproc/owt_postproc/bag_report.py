@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from owt_model.config import parse_case
-from owt_model.contracts import ReducedDescription, StressBlock
+from owt_model.contracts import SEA_FACTS, ReducedDescription, StressBlock
 from owt_model.errors import InputError
-from owt_postproc.bag_reader import PREFIX, BagMessage, read_files, read_messages, to_block, to_reduced
+from owt_postproc.bag_reader import PREFIX, BagMessage, read_files, read_messages, to_block
 from owt_postproc.core.stage import (
     FatigueModel,
     FatigueState,
@@ -21,6 +21,7 @@ from owt_postproc.core.stage import (
     step,
 )
 from owt_postproc.report_data import Geometry, ReportCollector, ReportData
+from owt_ros.decode import to_reduced_model
 
 __all__ = ["bag_report"]
 
@@ -37,10 +38,6 @@ TYPES = tuple(
         "Energy",
     )
 )
-_SEA_FACTS = (
-    "hs_m", "tp_s", "gamma", "direction_deg", "seed", "order", "stretching", "cutoff_rad_s", "water_depth_m",
-    "duration_s",
-)  # fmt: skip
 
 
 def bag_report(bag: str | Path, *, versions: Mapping[str, str] | None = None) -> ReportData:
@@ -75,9 +72,9 @@ def bag_report(bag: str | Path, *, versions: Mapping[str, str] | None = None) ->
         if kind == "ModelDescription":
             geometry = _geometry(message.content)
         elif kind == "SeaState":
-            sea = {name: _plain(getattr(message.content, name)) for name in _SEA_FACTS}
+            sea = {name: _plain(getattr(message.content, name)) for name in SEA_FACTS}
         elif kind == "ReducedModel":
-            reduced = to_reduced(message.content)
+            reduced = to_reduced_model(message.content)
             collector = ReportCollector(reduced.tower_top_coordinate)
             model = build_fatigue_model(case, len(reduced.end_name))
             state = initial_state(model)

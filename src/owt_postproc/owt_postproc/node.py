@@ -18,7 +18,7 @@ from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
 from owt_postproc.core.stage import FatigueModel, build_fatigue_model, initial_state, step
 from owt_postproc.recorder import Recorder
-from owt_ros import convert, topics
+from owt_ros import convert, decode, topics
 from owt_ros.lifecycle import RATE_SUFFIX, NodeOptions, StageNode
 from owt_ros.process import interruptible, run
 from owt_ros.topics import Kind, Topic
@@ -100,7 +100,7 @@ class PostprocNode(StageNode):
     def advance(self) -> None:
         """Count the stress that has arrived; complete the bag after the last message of all streams."""
         while self._model is not None and self._pending:
-            stress = convert.to_stress(deserialize_message(self._pending.popleft(), MemberStress))
+            stress = decode.to_stress(deserialize_message(self._pending.popleft(), MemberStress))
             with interruptible():
                 self._state, block = step(self._model, self._state, stress)
             message = convert.fatigue_message(block)

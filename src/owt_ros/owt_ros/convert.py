@@ -1,16 +1,11 @@
-"""The only place where messages meet arrays.
-
-``*_message`` turns a contract into a message, ``to_*`` a message into a contract. The readers take
-messages of rclpy as well as those that the rosbags library deserialises: they only look at fields. The
-shape of what comes in is checked; a message that cannot be is a :class:`ComputationError` that names
-the type, the sequence and the field.
-"""
+"""The only place where messages meet arrays: this half writes messages, :mod:`owt_ros.decode` reads them."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from builtin_interfaces.msg import Time
 from owt_msgs import msg as owt
 from std_msgs.msg import Header
 
@@ -27,20 +22,9 @@ from owt_model.contracts import (
     StressBlock,
 )
 from owt_model.mesh import Mesh
-from owt_ros.wire import (
-    doubles,
-    flat_array,
-    head_of,
-    indices,
-    read_doubles,
-    stamp,
-    start_index,
-    time_ns,
-    uint32s,
-)
+from owt_ros.wire import NO_MEMBER, doubles, flat_array, uint32s
 
 __all__ = [
-    "NO_MEMBER",
     "elevation_message",
     "energy_message",
     "fatigue_message",
@@ -50,30 +34,21 @@ __all__ = [
     "nodal_loads_message",
     "reduced_model_message",
     "sea_state_message",
+    "stamp",
     "stress_message",
-    "to_elevation",
-    "to_energy",
-    "to_fatigue",
-    "to_load_basis",
-    "to_modal",
-    "to_nodal_loads",
-    "to_reduced_model",
-    "to_stress",
 ]
 
-#: Member of an element that belongs to none (the tower).
-NO_MEMBER = 2**32 - 1
+
+def stamp(ns: int) -> Time:
+    """Return simulated time `ns` in ns as a message."""
+    seconds, rest = divmod(int(ns), 1_000_000_000)
+    return Time(sec=seconds, nanosec=rest)
 
 
 def _fill_head(message: Any, block: Block, samples: int) -> None:
     message.header = Header(stamp=stamp(block.time_ns))
     message.sequence, message.dt = int(block.sequence), float(block.dt)
     message.samples, message.last = int(samples), bool(block.last)
-
-
-def _block(message: Any) -> dict[str, Any]:
-    head = head_of(message)
-    return {"sequence": head.sequence, "start": head.start, "dt": head.dt, "last": head.last}
 
 
 # --- latched descriptions -------------------------------------------------------------------------
@@ -112,7 +87,7 @@ def sea_state_message(sea: SeaState) -> owt.SeaState:
         water_depth_m=float(sea.water_depth_m),
         gravity_m_s2=float(sea.gravity_m_s2),
         density_kg_m3=float(sea.density_kg_m3),
-        duration_s=float(sea.n * sea.dt_s),
+        duration_s=float(sea.duration_s),
         omega_rad_s=doubles(sea.omega_rad_s),
         amplitude_m=doubles(sea.amplitude_m),
         phase_rad=doubles(sea.phase_rad),
@@ -133,20 +108,6 @@ def load_basis_message(basis: LoadBasis) -> owt.LoadBasis:
     )
 
 
-def to_load_basis(message: Any) -> LoadBasis:
-    """Read a load basis."""
-    n = len(message.node)
-    return LoadBasis(
-        model_hash=str(message.model_hash),
-        node=indices(message.node),
-        vectors=read_doubles(message, "vectors", -1, n, 6),
-        singular_values=read_doubles(message, "singular_values", -1),
-        total_variance=float(message.total_variance),
-        mean=read_doubles(message, "mean", n, 6),
-        snapshots=int(message.snapshots),
-    )
-
-
 def reduced_model_message(description: ReducedDescription) -> owt.ReducedModel:
     """Describe the reduced model; the ends come in pairs, member by member."""
     ends = np.arange(len(description.end_name))
@@ -164,20 +125,6 @@ def reduced_model_message(description: ReducedDescription) -> owt.ReducedModel:
     )
 
 
-def to_reduced_model(message: Any) -> ReducedDescription:
-    """Read the description of the reduced model."""
-    return ReducedDescription(
-        model_name=str(message.model_name),
-        model_hash=str(message.model_hash),
-        reduction=str(message.reduction),
-        coordinate_name=tuple(message.coordinate_name),
-        frequency_hz=read_doubles(message, "frequency_hz", -1),
-        damping_ratio=read_doubles(message, "damping_ratio", -1),
-        end_name=tuple(message.end_name),
-        tower_top_coordinate=int(message.tower_top_coordinate),
-    )
-
-
 # --- streams --------------------------------------------------------------------------------------
 
 
@@ -188,18 +135,6 @@ def elevation_message(block: ElevationBlock) -> owt.SurfaceElevation:
     )
     _fill_head(message, block, len(block.total))
     return message
-
-
-def to_elevation(message: Any) -> ElevationBlock:
-    """Read a block of surface elevation."""
-    gauge = read_doubles(message, "gauge_m", -1, 2)
-    shape = (int(message.samples), len(gauge))
-    return ElevationBlock(
-        **_block(message),
-        gauge=gauge,
-        first_order=read_doubles(message, "first_order", *shape),
-        total=read_doubles(message, "total", *shape),
-    )
 
 
 def nodal_loads_message(block: LoadBlock) -> owt.NodalLoads:
@@ -215,19 +150,6 @@ def nodal_loads_message(block: LoadBlock) -> owt.NodalLoads:
     return message
 
 
-def to_nodal_loads(message: Any) -> LoadBlock:
-    """Read a block of loads."""
-    samples = int(message.samples)
-    return LoadBlock(
-        **_block(message),
-        model_hash=str(message.model_hash),
-        node=indices(message.node),
-        element=indices(message.element),
-        nodal=read_doubles(message, "nodal", samples, len(message.node), 6),
-        fixed_end=read_doubles(message, "fixed_end", samples, len(message.element), 12),
-    )
-
-
 def modal_message(block: ModalBlock) -> owt.ModalState:
     """Write a block of generalised response."""
     message = owt.ModalState(
@@ -237,17 +159,6 @@ def modal_message(block: ModalBlock) -> owt.ModalState:
     )
     _fill_head(message, block, len(block.displacement))
     return message
-
-
-def to_modal(message: Any) -> ModalBlock:
-    """Read a block of generalised response."""
-    displacement = read_doubles(message, "displacement", int(message.samples), -1)
-    return ModalBlock(
-        **_block(message),
-        displacement=displacement,
-        velocity=read_doubles(message, "velocity", *displacement.shape),
-        acceleration=read_doubles(message, "acceleration", *displacement.shape),
-    )
 
 
 def stress_message(block: StressBlock) -> owt.MemberStress:
@@ -262,18 +173,6 @@ def stress_message(block: StressBlock) -> owt.MemberStress:
     return message
 
 
-def to_stress(message: Any) -> StressBlock:
-    """Read a block of member stress."""
-    axial = read_doubles(message, "axial", int(message.samples), -1)
-    return StressBlock(
-        **_block(message),
-        axial=axial,
-        bending_y=read_doubles(message, "bending_y", *axial.shape),
-        bending_z=read_doubles(message, "bending_z", *axial.shape),
-        von_mises=read_doubles(message, "von_mises", *axial.shape),
-    )
-
-
 def energy_message(block: EnergyBlock) -> owt.Energy:
     """Write a block of energies."""
     message = owt.Energy(
@@ -284,19 +183,6 @@ def energy_message(block: EnergyBlock) -> owt.Energy:
     )
     _fill_head(message, block, len(block.potential))
     return message
-
-
-def to_energy(message: Any) -> EnergyBlock:
-    """Read a block of energies."""
-    samples = int(message.samples)
-    potential_mode = read_doubles(message, "potential_mode", samples, -1)
-    return EnergyBlock(
-        **_block(message),
-        potential=read_doubles(message, "potential", samples),
-        kinetic=read_doubles(message, "kinetic", samples),
-        potential_mode=potential_mode,
-        kinetic_mode=read_doubles(message, "kinetic_mode", *potential_mode.shape),
-    )
 
 
 def fatigue_message(block: FatigueBlock) -> owt.FatigueState:
@@ -311,21 +197,4 @@ def fatigue_message(block: FatigueBlock) -> owt.FatigueState:
         damage=doubles(block.damage),
         total_stress_pa=doubles(block.total_stress),
         max_range_pa=doubles(block.max_range),
-    )
-
-
-def to_fatigue(message: Any, *, dt: float) -> FatigueBlock:
-    """Read the running fatigue result of a stress stream with time step `dt` in s."""
-    n = len(message.damage)
-    return FatigueBlock(
-        sequence=int(message.sequence),
-        start=start_index(time_ns(message.header.stamp), dt),
-        dt=dt,
-        last=bool(message.last),
-        samples_counted=int(message.samples_counted),
-        sn_curve=str(message.sn_curve),
-        cycles=read_doubles(message, "cycles", n),
-        damage=read_doubles(message, "damage", n),
-        total_stress=read_doubles(message, "total_stress_pa", n),
-        max_range=read_doubles(message, "max_range_pa", n),
     )

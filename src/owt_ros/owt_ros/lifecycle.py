@@ -23,12 +23,12 @@ from std_msgs.msg import Header
 
 from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, OwtError
+from owt_ros.convert import stamp
 from owt_ros.parameters import NodeParameters
 from owt_ros.peers import Peers
 from owt_ros.qos import qos_for
 from owt_ros.streams import Inlet, Outlet
 from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, Topic
-from owt_ros.wire import stamp
 
 __all__ = ["RATE_SUFFIX", "NodeOptions", "StageNode"]
 

@@ -1,6 +1,6 @@
 """Heads and arrays of messages: stamps, block heads (also straight from CDR bytes), flat arrays with a shape.
 
-The helpers of :mod:`owt_ros.convert`; only the head functions are meant for others.
+The helpers of :mod:`owt_ros.convert` and :mod:`owt_ros.decode`; no ROS is imported.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from builtin_interfaces.msg import Time
 
 from owt_model.errors import ComputationError
 
 __all__ = [
+    "NO_MEMBER",
     "Head",
     "doubles",
     "flat_array",
@@ -24,19 +24,14 @@ __all__ = [
     "peek_head",
     "peek_stamp",
     "read_doubles",
-    "stamp",
     "start_index",
     "time_ns",
     "uint32s",
 ]
 
+#: Member of an element that belongs to none (the tower).
+NO_MEMBER = 2**32 - 1
 _PICO = 1e12
-
-
-def stamp(ns: int) -> Time:
-    """Return simulated time `ns` in ns as a message."""
-    seconds, rest = divmod(int(ns), 1_000_000_000)
-    return Time(sec=seconds, nanosec=rest)
 
 
 def time_ns(time: Any) -> int:

@@ -22,8 +22,8 @@ from owt_model.contracts import (
 from owt_model.errors import ComputationError
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
-from owt_ros import convert
-from owt_ros.wire import head_of, peek_head, peek_stamp, start_index
+from owt_ros import convert, decode
+from owt_ros.wire import NO_MEMBER, head_of, peek_head, peek_stamp, start_index
 
 RANDOM = np.random.default_rng(5)
 HEAD = {"sequence": 7, "start": 350, "dt": 0.02, "last": True}
@@ -86,19 +86,19 @@ def _message(name: str) -> Any:
 @pytest.mark.parametrize("name", BLOCKS)
 def test_there_and_back(name: str) -> None:
     message = _message(name)
-    read = getattr(convert, f"to_{name}")
+    read = getattr(decode, f"to_{name}")
     _assert_same(BLOCKS[name], read(message))
     _assert_same(BLOCKS[name], read(deserialize_message(serialize_message(message), type(message))))
 
 
 def test_fatigue_there_and_back() -> None:
-    _assert_same(FATIGUE, convert.to_fatigue(convert.fatigue_message(FATIGUE), dt=0.02))
+    _assert_same(FATIGUE, decode.to_fatigue(convert.fatigue_message(FATIGUE), dt=0.02))
 
 
 def test_empty_arrays() -> None:
     basis = BLOCKS["load_basis"]
     bare = dataclasses.replace(basis, vectors=np.zeros((0, 4, 6)), singular_values=np.zeros(0))
-    _assert_same(bare, convert.to_load_basis(convert.load_basis_message(bare)))
+    _assert_same(bare, decode.to_load_basis(convert.load_basis_message(bare)))
 
 
 def test_sliced_and_transposed_arrays_are_written_in_c_order() -> None:
@@ -114,7 +114,7 @@ def test_model_and_sea_state() -> None:
     assert len(model.node_name) == mesh.n_nodes == len(model.node_position_m) // 3 == len(model.node_dof) // 6
     np.testing.assert_array_equal(np.array(model.node_dof).reshape(-1, 6), mesh.node_dof)
     owner = np.array(model.element_member, dtype=np.int64)
-    np.testing.assert_array_equal(owner == convert.NO_MEMBER, mesh.is_tower)
+    np.testing.assert_array_equal(owner == NO_MEMBER, mesh.is_tower)
     names = ("omega_rad_s", "amplitude_m", "phase_rad", "wavenumber_rad_m")
     sea = SeaState(
         **{name: _r(9) for name in names}, direction_deg=210.0, water_depth_m=50.0, gravity_m_s2=9.81,
@@ -159,7 +159,7 @@ def test_a_message_with_too_few_values_is_refused(name: str, field: str, message
     broken = _message(name)
     setattr(broken, field, getattr(broken, field)[:-1])
     with pytest.raises(ComputationError, match=message):
-        getattr(convert, f"to_{name}")(broken)
+        getattr(decode, f"to_{name}")(broken)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +168,7 @@ def test_a_message_with_too_few_values_is_refused(name: str, field: str, message
 def test_a_head_that_cannot_be_is_refused(field: str, value: Any) -> None:
     broken = _message("modal")
     setattr(broken, field, value)
-    for read in (convert.to_modal, head_of):
+    for read in (decode.to_modal, head_of):
         with pytest.raises(ComputationError, match="ModalState 7: "):
             read(broken)
 

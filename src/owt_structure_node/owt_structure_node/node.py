@@ -11,7 +11,7 @@ from owt_model.contracts import LoadBlock
 from owt_model.errors import ComputationError
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
-from owt_ros import convert, topics
+from owt_ros import convert, decode, topics
 from owt_ros.lifecycle import StageNode
 from owt_ros.process import interruptible, run
 from owt_ros.topics import Topic
@@ -58,14 +58,14 @@ class StructureNode(StageNode):
                 "a second load basis arrived: clean up and configure before another sea state"
             )
         with interruptible():
-            self._model = build_response_model(self._case, self._mesh, convert.to_load_basis(message))
+            self._model = build_response_model(self._case, self._mesh, decode.to_load_basis(message))
             self._state = initial_state(self._model)
         self._reduced.send(convert.reduced_model_message(self._model.description))
         self.advance()
 
     def _on_loads(self, message: Any) -> None:
         self._check_hash(message, topics.NODAL_LOADS)
-        self._queue.append(convert.to_nodal_loads(message))
+        self._queue.append(decode.to_nodal_loads(message))
         self.advance()
 
     def advance(self) -> None:

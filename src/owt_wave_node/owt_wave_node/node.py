@@ -11,10 +11,10 @@ from owt_model.mesh import build_mesh
 from owt_model.reduction_name import parse_reduction
 from owt_model.structure import load_structure
 from owt_ros import convert, topics
+from owt_ros.convert import stamp
 from owt_ros.lifecycle import StageNode
 from owt_ros.pace import Pace
 from owt_ros.process import interruptible, run
-from owt_ros.wire import stamp
 from owt_wave_node.core.stage import build_wave_stage
 
 __all__ = ["WaveNode", "main"]

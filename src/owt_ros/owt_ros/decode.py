@@ -1,0 +1,144 @@
+"""Reads messages into the contracts; the other half of :mod:`owt_ros.convert`.
+
+Only fields are looked at, and no ROS is imported: messages of rclpy and those that the rosbags library
+deserialises read alike. The shape of what comes in is checked; a message that cannot be is a
+:class:`ComputationError` that names the type, the sequence and the field.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from owt_model.contracts import (
+    ElevationBlock,
+    EnergyBlock,
+    FatigueBlock,
+    LoadBasis,
+    LoadBlock,
+    ModalBlock,
+    ReducedDescription,
+    StressBlock,
+)
+from owt_ros.wire import head_of, indices, read_doubles, start_index, time_ns
+
+__all__ = [
+    "to_elevation",
+    "to_energy",
+    "to_fatigue",
+    "to_load_basis",
+    "to_modal",
+    "to_nodal_loads",
+    "to_reduced_model",
+    "to_stress",
+]
+
+
+def _block(message: Any) -> dict[str, Any]:
+    head = head_of(message)
+    return {"sequence": head.sequence, "start": head.start, "dt": head.dt, "last": head.last}
+
+
+def to_load_basis(message: Any) -> LoadBasis:
+    """Read a load basis."""
+    n = len(message.node)
+    return LoadBasis(
+        model_hash=str(message.model_hash),
+        node=indices(message.node),
+        vectors=read_doubles(message, "vectors", -1, n, 6),
+        singular_values=read_doubles(message, "singular_values", -1),
+        total_variance=float(message.total_variance),
+        mean=read_doubles(message, "mean", n, 6),
+        snapshots=int(message.snapshots),
+    )
+
+
+def to_reduced_model(message: Any) -> ReducedDescription:
+    """Read the description of the reduced model."""
+    return ReducedDescription(
+        model_name=str(message.model_name),
+        model_hash=str(message.model_hash),
+        reduction=str(message.reduction),
+        coordinate_name=tuple(message.coordinate_name),
+        frequency_hz=read_doubles(message, "frequency_hz", -1),
+        damping_ratio=read_doubles(message, "damping_ratio", -1),
+        end_name=tuple(message.end_name),
+        tower_top_coordinate=int(message.tower_top_coordinate),
+    )
+
+
+def to_elevation(message: Any) -> ElevationBlock:
+    """Read a block of surface elevation."""
+    gauge = read_doubles(message, "gauge_m", -1, 2)
+    shape = (int(message.samples), len(gauge))
+    return ElevationBlock(
+        **_block(message),
+        gauge=gauge,
+        first_order=read_doubles(message, "first_order", *shape),
+        total=read_doubles(message, "total", *shape),
+    )
+
+
+def to_nodal_loads(message: Any) -> LoadBlock:
+    """Read a block of loads."""
+    samples = int(message.samples)
+    return LoadBlock(
+        **_block(message),
+        model_hash=str(message.model_hash),
+        node=indices(message.node),
+        element=indices(message.element),
+        nodal=read_doubles(message, "nodal", samples, len(message.node), 6),
+        fixed_end=read_doubles(message, "fixed_end", samples, len(message.element), 12),
+    )
+
+
+def to_modal(message: Any) -> ModalBlock:
+    """Read a block of generalised response."""
+    displacement = read_doubles(message, "displacement", int(message.samples), -1)
+    return ModalBlock(
+        **_block(message),
+        displacement=displacement,
+        velocity=read_doubles(message, "velocity", *displacement.shape),
+        acceleration=read_doubles(message, "acceleration", *displacement.shape),
+    )
+
+
+def to_stress(message: Any) -> StressBlock:
+    """Read a block of member stress."""
+    axial = read_doubles(message, "axial", int(message.samples), -1)
+    return StressBlock(
+        **_block(message),
+        axial=axial,
+        bending_y=read_doubles(message, "bending_y", *axial.shape),
+        bending_z=read_doubles(message, "bending_z", *axial.shape),
+        von_mises=read_doubles(message, "von_mises", *axial.shape),
+    )
+
+
+def to_energy(message: Any) -> EnergyBlock:
+    """Read a block of energies."""
+    samples = int(message.samples)
+    potential_mode = read_doubles(message, "potential_mode", samples, -1)
+    return EnergyBlock(
+        **_block(message),
+        potential=read_doubles(message, "potential", samples),
+        kinetic=read_doubles(message, "kinetic", samples),
+        potential_mode=potential_mode,
+        kinetic_mode=read_doubles(message, "kinetic_mode", *potential_mode.shape),
+    )
+
+
+def to_fatigue(message: Any, *, dt: float) -> FatigueBlock:
+    """Read the running fatigue result of a stress stream with time step `dt` in s."""
+    n = len(message.damage)
+    return FatigueBlock(
+        sequence=int(message.sequence),
+        start=start_index(time_ns(message.header.stamp), dt),
+        dt=dt,
+        last=bool(message.last),
+        samples_counted=int(message.samples_counted),
+        sn_curve=str(message.sn_curve),
+        cycles=read_doubles(message, "cycles", n),
+        damage=read_doubles(message, "damage", n),
+        total_stress=read_doubles(message, "total_stress_pa", n),
+        max_range=read_doubles(message, "max_range_pa", n),
+    )

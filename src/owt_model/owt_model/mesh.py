@@ -9,6 +9,7 @@ interface: messages and result files use them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -123,7 +124,7 @@ def build_mesh(structure: Structure) -> Mesh:
         section = sections[member.section]
         member_node.append((first, last))
         member_element.append((len(nodes), len(nodes) + n - 1))
-        for a, b in zip(chain[:-1], chain[1:], strict=True):
+        for a, b in pairwise(chain):
             nodes.append((a, b))
             owner.append(m)
             properties.append(

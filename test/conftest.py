@@ -1,13 +1,28 @@
 """What tests that start ROS nodes share: strict messages, and a domain of their own."""
 
 import os
+import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 # before the first message class is imported: wrong types are then errors that name the field
 os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Give this process the transport of the nodes; Fast DDS reads it once, before the first participant."""
+    from owt_bringup.transport import PROFILE_VARIABLE, shared_memory_profile
+
+    profile = shared_memory_profile(8)
+    if profile is not None and PROFILE_VARIABLE not in os.environ:
+        folder = tempfile.TemporaryDirectory(prefix="owt-fastdds-")
+        config.add_cleanup(folder.cleanup)
+        path = Path(folder.name) / "fastdds.xml"
+        path.write_text(profile, encoding="utf-8")
+        os.environ[PROFILE_VARIABLE] = str(path)
 
 
 @pytest.fixture

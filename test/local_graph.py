@@ -1,5 +1,6 @@
 """Nodes of a graph in one process, on one executor, in a domain of their own: what tests drive and watch."""
 
+import gc
 import time
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
@@ -127,12 +128,16 @@ class LocalGraph:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._stack.close()
         for node in self.nodes.values():
             node.close()
             node.destroy_node()
         self._executor.shutdown(timeout_sec=1.0)
         self.watcher.destroy_node()
         rclpy.shutdown(context=self.context)
+        del self._executor, self.watcher, self.context  # rclpy leaves the domain when the last reference goes
+        self.nodes.clear()
+        gc.collect()
 
 
 def assert_messages_equal(name: str, one: Any, two: Any) -> None:

@@ -102,9 +102,7 @@ def long_case() -> Any:
     return short_case(time={"n": 600}, stream={"rate": 1.0, "block": 5})
 
 
-def during_run(
-    children: dict[str, Child], progress: list[float], act: Callable[[], None]
-) -> threading.Thread:
+def during_run(progress: list[float], act: Callable[[], None]) -> threading.Thread:
     """Call `act` when the run has progressed a little."""
 
     def wait() -> None:
@@ -215,7 +213,7 @@ def test_an_unwritable_place_is_refused_before_anything_starts(tmp_path: Path) -
 
 
 def test_timeouts_say_what_was_awaited(tmp_path: Path) -> None:
-    with pytest.raises(OwtError, match="the nodes could not be reached within 0 s"):
+    with pytest.raises(OwtError, match="could not be reached within 0 s"):
         run_graph(short_case(), tmp_path / "bag", timeouts=Timeouts(start=0.0))
 
 

@@ -1,7 +1,7 @@
 """A ROS domain of one's own, so that graphs on one machine do not hear each other.
 
 A domain counts as taken while another graph of ours holds its lock, an abstract Unix socket that goes
-with its process, or while any ROS 2 process listens on the first discovery port of the domain.
+with its process, or while any ROS 2 process listens on one of the first discovery ports of the domain.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ __all__ = ["LARGEST_DOMAIN", "own_domain"]
 
 #: Above it, the ports of a domain reach into the range that Linux hands out on its own.
 LARGEST_DOMAIN = 101
-_FIRST_PORT, _PORTS_PER_DOMAIN, _UNICAST = 7400, 250, 10
+_FIRST_PORT, _PORTS_PER_DOMAIN, _UNICAST, _PORTS_PER_PARTICIPANT = 7400, 250, 10, 2
+_PARTICIPANTS = 16
 
 
 def _lock(domain: int) -> socket.socket | None:
@@ -32,13 +33,14 @@ def _lock(domain: int) -> socket.socket | None:
 
 
 def _is_silent(domain: int) -> bool:
-    """Tell whether no participant listens on the first discovery port of `domain`."""
-    port = _FIRST_PORT + _PORTS_PER_DOMAIN * domain + _UNICAST
-    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as probe:
-        try:
-            probe.bind(("", port))
-        except OSError:
-            return False
+    """Tell whether nobody listens on the discovery ports of the first participants of `domain`."""
+    first = _FIRST_PORT + _PORTS_PER_DOMAIN * domain + _UNICAST
+    for participant in range(_PARTICIPANTS):
+        with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as probe:
+            try:
+                probe.bind(("", first + _PORTS_PER_PARTICIPANT * participant))
+            except OSError:
+                return False
     return True
 
 

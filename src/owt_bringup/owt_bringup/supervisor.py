@@ -19,12 +19,13 @@ from rclpy.signals import SignalHandlerOptions
 
 from owt_bringup.process import Child
 from owt_model.errors import OwtError
+from owt_ros.lifecycle import ACTIVE, CONFIGURED
 from owt_ros.qos import qos_for
 from owt_ros.topics import POSTPROC, STATUS
 
 __all__ = ["Supervisor"]
 
-_LABELS = {Transition.TRANSITION_CONFIGURE: "configured", Transition.TRANSITION_ACTIVATE: "activated"}
+_LABELS = {Transition.TRANSITION_CONFIGURE: CONFIGURED, Transition.TRANSITION_ACTIVATE: ACTIVE}
 #: Seconds for which the reason of a refused transition is awaited.
 _REASON_S = 2.0
 
@@ -70,7 +71,7 @@ class Supervisor:
             if status.code == NodeStatus.ERROR and name in self._children:
                 raise OwtError(f"{name}: {status.message}")
 
-    def spin_until(self, ready: Callable[[], bool], seconds: float, what: str) -> None:
+    def spin_until(self, ready: Callable[[], bool], seconds: float, what: str | Callable[[], str]) -> None:
         """Work until `ready()`.
 
         Raises
@@ -82,7 +83,7 @@ class Supervisor:
         while not ready():
             self.check()
             if time.monotonic() > deadline:
-                raise OwtError(f"{what} within {seconds:g} s")
+                raise OwtError(f"{what if isinstance(what, str) else what()} within {seconds:g} s")
             self._executor.spin_once(timeout_sec=0.05)
 
     def await_services(self, seconds: float) -> None:
@@ -91,7 +92,9 @@ class Supervisor:
         def missing() -> list[str]:
             return [name for name, client in self._change.items() if not client.service_is_ready()]
 
-        self.spin_until(lambda: not missing(), seconds, "the nodes could not be reached")
+        self.spin_until(
+            lambda: not missing(), seconds, lambda: f"{', '.join(missing())} could not be reached"
+        )
 
     def change_states(self, names: Sequence[str], transition: int, seconds: float) -> None:
         """Ask nodes to change their state and wait for all of them.
@@ -103,12 +106,26 @@ class Supervisor:
         """
         request = ChangeState.Request(transition=Transition(id=transition))
         futures = {name: self._change[name].call_async(request) for name in names}
-        what = f"{', '.join(names)} could not be {_LABELS[transition]}"
-        self.spin_until(lambda: all(future.done() for future in futures.values()), seconds, what)
+
+        def silent() -> list[str]:
+            """Nodes that neither answered nor reported the new state: an answer can get lost in DDS."""
+            return [
+                name
+                for name, future in futures.items()
+                if not future.done() and not self._is_reported(name, transition)
+            ]
+
+        self.spin_until(
+            lambda: not silent(), seconds, lambda: f"{', '.join(silent())} not {_LABELS[transition]}"
+        )
         for name, future in futures.items():
-            if not future.result().success:
-                refusal = f"{name} could not be {_LABELS[transition]}"
+            if future.done() and not future.result().success:
+                refusal = f"{name} did not become {_LABELS[transition]}"
                 self.spin_until(lambda: False, _REASON_S, f"{refusal} and gave no reason")
+
+    def _is_reported(self, name: str, transition: int) -> bool:
+        status = self.status.get(name)
+        return status is not None and status.message == _LABELS[transition]
 
     def watch(
         self, progress: Callable[[float, float], None] | None, duration: float, stall: float
@@ -157,3 +174,4 @@ class Supervisor:
         self._executor.shutdown(timeout_sec=1.0)
         self._node.destroy_node()
         rclpy.shutdown(context=self._context)
+        del self._executor, self._node, self._change, self._context  # left with the last reference

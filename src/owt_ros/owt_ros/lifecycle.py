@@ -30,8 +30,10 @@ from owt_ros.qos import qos_for
 from owt_ros.streams import Inlet, Outlet
 from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, Topic
 
-__all__ = ["RATE_SUFFIX", "NodeOptions", "StageNode"]
+__all__ = ["ACTIVE", "CONFIGURED", "RATE_SUFFIX", "NodeOptions", "StageNode"]
 
+#: Messages of a status without an error: the state that the node has reached.
+CONFIGURED, ACTIVE = "configured", "active"
 #: Ends the name of diagnostics that hold wall time; they are not recorded.
 RATE_SUFFIX = ": rate"
 #: Timers run on wall time, also under ``use_sim_time``.
@@ -134,7 +136,7 @@ class StageNode(LifecycleNode):
         """Publish how far the node is; `done` is its result when it has finished."""
         self.time_ns = self.time_ns if time_ns is None else time_ns
         code = NodeStatus.RUNNING if done is None else NodeStatus.DONE
-        self._publish_status(code, "", done or "")
+        self._publish_status(code, ACTIVE if done is None else "", done or "")
         if done is not None:
             self.diagnose(DiagnosticStatus.OK, "done")
 
@@ -257,7 +259,9 @@ class StageNode(LifecycleNode):
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Read the parameters and build."""
         result = self._transition(self._configure)
-        if result != _SUCCESS:
+        if result == _SUCCESS:
+            self._publish_status(NodeStatus.RUNNING, CONFIGURED, "")
+        else:
             self._drop()
         return result
 

@@ -77,3 +77,13 @@ def test_no_machine_paths() -> None:
         and suspicious.search(path.read_text(errors="ignore"))
     ]
     assert not found
+
+
+def test_one_version_everywhere() -> None:
+    from owt_model import __version__
+
+    for manifest in tracked("src/*/package.xml"):
+        assert f"<version>{__version__}</version>" in manifest.read_text(), manifest
+    for setup in tracked("src/*/setup.py"):
+        assert __version__ in setup.read_text(), setup
+    assert f"version: {__version__}\n" in (ROOT / "CITATION.cff").read_text()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -184,7 +185,26 @@ def test_the_runner_passes_errors_on(tmp_path: Path) -> None:
     """The same through ./owt, as a process of its own."""
     result = subprocess.run(
         [ROOT / "owt", "waves", str(tmp_path / "no.json"), "-o", str(tmp_path / "o.npz")],
-        capture_output=True, text=True, timeout=300,
+        capture_output=True, text=True, timeout=300, env={**os.environ, "OWT_NO_SETUP": "1"},
     )  # fmt: skip
     assert result.returncode == 1
     one_line(result.stderr)
+
+
+def test_eigen_of_an_augmented_reduction_finds_its_loads(capsys: pytest.CaptureFixture[str]) -> None:
+    """Table B.1, CB10M10: as printed to 1.7 %, mode 19 aside (see docs/verification.md)."""
+    assert main(["eigen", "--model", "oc4-thesis", "--reduction", "CB10M10", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    thesis = [0.381, 0.384, 1.048, 1.089, 1.183, 1.918, 2.234, 3.215, 3.697, 3.731]
+    np.testing.assert_allclose(report["frequencies_hz"][:10], thesis, rtol=0.017)
+    assert main(["eigen", "--reduction", "CB10", "--fixed-interface"]) == 1
+    one_line(capsys.readouterr().err)
+
+
+def test_report_of_a_damaged_bag_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    (bag / "bag_0.mcap").write_bytes(b"\x89MCAP0\r\n" + bytes(range(256)) * 8)
+    assert main(["report", str(bag)]) == 1
+    one_line(capsys.readouterr().err)
+    assert sorted(p.name for p in bag.iterdir()) == ["bag_0.mcap"]

@@ -27,6 +27,10 @@ FLAGS: dict[str, tuple[str, str, type[BaseModel]]] = {
 }
 
 
+#: Where the field's own description does not suit the command line.
+HELP = {"gamma": "JONSWAP peak enhancement"}
+
+
 def _parser_of(annotation: Any) -> type:
     """Type that a flag's text is read as."""
     if get_origin(annotation) is Literal:
@@ -47,7 +51,7 @@ def add_case_flags(parser: argparse.ArgumentParser) -> None:
         shown = "by eq. 4.80" if field.default is None else field.default
         parser.add_argument(
             f"--{flag}", type=_parser_of(field.annotation), default=None,
-            help=f"{field.description} (default {shown})".replace("%", "%%"),
+            help=f"{HELP.get(flag, field.description)} (default {shown})".replace("%", "%%"),
         )  # fmt: skip
 
 

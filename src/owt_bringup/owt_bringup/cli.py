@@ -28,7 +28,7 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> None:  # type: ignore[override]
         """Exit with one line."""
-        self.exit(2, f"error: {message}. See `owt {self.prog.removeprefix('owt').strip()} --help`.\n")
+        self.exit(2, f"error: {message}. See `{self.prog} --help`.\n")
 
 
 def _parser(command: str | None) -> argparse.ArgumentParser:

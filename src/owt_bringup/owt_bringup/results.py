@@ -37,7 +37,7 @@ def result_rows(data: ReportData) -> list[tuple[str, str]]:
         ("largest stress range", f"{fatigue.max_range.max() / 1e6:.1f} MPa"),
         ("most damaged member end", data.end_name),
         (
-            f"its damage in {fatigue.duration_s:g} s",
+            f"its damage in {fatigue.duration_s:.1f} s",
             f"{fatigue.damage[worst].max():.3g} ({fatigue.curve.name})",
         ),
     ]

@@ -110,6 +110,7 @@ def prepare_case(case: CaseConfig) -> CaseRun:
     """
     clock = StageClock()
     mesh = build_mesh(load_structure(case.structure.model))
+    fatigue = fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members)
     clock.lap("model")
     wave = build_wave_stage(case, mesh)
     clock.lap("waves and loads")
@@ -117,7 +118,6 @@ def prepare_case(case: CaseConfig) -> CaseRun:
     clock.lap("load basis")
     response = response_stage.build_response_model(case, mesh, basis)
     clock.lap("reduction")
-    fatigue = fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members)
     return CaseRun(case, mesh, wave, basis, response, fatigue, clock)
 
 

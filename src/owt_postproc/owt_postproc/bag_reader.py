@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from mcap.exceptions import McapError
 from mcap.reader import make_reader
 
 from owt_model.contracts import Block
@@ -99,19 +100,33 @@ def read_messages(bag: str | Path, *, types: Collection[str] | None = None) -> I
             for connection, log_time, raw in reader.messages(connections=wanted):
                 content = store.deserialize_cdr(raw, connection.msgtype)
                 yield BagMessage(connection.topic, connection.msgtype, log_time, content)
-    except (ReaderError, FileNotFoundError, IsADirectoryError) as error:
-        raise InputError("bag", str(bag), f"cannot be read ({error})", "Try to recover it first.") from None
+    except (ReaderError, McapError, OSError) as error:
+        raise _unreadable(bag, error) from None
 
 
 def read_files(bag: str | Path) -> BagFiles:
-    """Attachments and metadata records of a complete bag."""
+    """Attachments and metadata records of a complete bag.
+
+    Raises
+    ------
+    InputError
+        If it is not a readable, complete bag.
+    """
     files = BagFiles()
-    for file in find_files(Path(bag)):
-        with file.open("rb") as stream:
-            reader = make_reader(stream)
-            files.attachments.update({item.name: item.data for item in reader.iter_attachments()})
-            files.metadata.update({item.name: dict(item.metadata) for item in reader.iter_metadata()})
+    try:
+        for file in find_files(Path(bag)):
+            with file.open("rb") as stream:
+                reader = make_reader(stream)
+                files.attachments.update({item.name: item.data for item in reader.iter_attachments()})
+                files.metadata.update({item.name: dict(item.metadata) for item in reader.iter_metadata()})
+    except (McapError, OSError) as error:
+        raise _unreadable(bag, error) from None
     return files
+
+
+def _unreadable(bag: str | Path, error: Exception) -> InputError:
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return InputError("bag", str(bag), f"cannot be read ({reason})", "Try to recover it first.")
 
 
 def read_bag(bag: str | Path, *, types: Collection[str] | None = None) -> BagArrays:

@@ -16,6 +16,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
+from owt_postproc.core.sn import sn_curve
 from owt_postproc.core.stage import FatigueModel, build_fatigue_model, initial_state, step
 from owt_postproc.recorder import Recorder
 from owt_ros import convert, decode, topics
@@ -46,6 +47,7 @@ class PostprocNode(StageNode):
         """Begin the bag."""
         if not self.options.bag:
             raise InputError("bag", "", "is missing", "Give the folder to record into.")
+        sn_curve(case.fatigue.sn_curve)  # an unknown curve is refused before anything is recorded
         self._case = case
         self._model: FatigueModel | None = None
         self._pending: deque[bytes] = deque()

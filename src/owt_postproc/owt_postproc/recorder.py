@@ -7,6 +7,7 @@ from pathlib import Path
 
 from owt_model.config import CaseConfig
 from owt_model.errors import OwtError
+from owt_model.versions import versions
 from owt_postproc.bag import BagWriter
 from owt_ros import schema
 from owt_ros.topics import RECORDED, Kind, Topic
@@ -47,6 +48,7 @@ class Recorder:
                 )
             text = case.model_dump_json(indent=1) + "\n"
             self._writer.attach("case.json", "application/json", text.encode())
+            self._writer.add_metadata("versions", versions())
         except OwtError:
             self._writer.abandon()
             raise

@@ -89,6 +89,7 @@ def summary(data: ReportData) -> dict[str, Any]:
             "scf": fatigue.scf,
             "samples": fatigue.samples,
             "duration_s": fatigue.duration_s,
+            "complete": data.complete,
             "max_damage": float(damage.max()),
             "max_damage_end": data.end_name,
             "max_total_stress_pa": float(fatigue.total_stress.max()),
@@ -185,6 +186,8 @@ def _subtitle(data: ReportData) -> str:
     if sea.get("hs_m"):
         parts.append(f"Hs {sea['hs_m']:g} m, Tp {sea['tp_s']:g} s, towards {sea['direction_deg']:g}°")
     parts.append(f"{data.fatigue.duration_s:.0f} s")
+    if not data.complete:
+        parts.append("INCOMPLETE: the recording broke off before its last block")
     return " · ".join(parts)
 
 
@@ -278,7 +281,8 @@ def _statistics_table(data: ReportData) -> str:
     rows = []
     for _, name, series, _, scale, unit in _series(data):
         s = statistics(series * scale)
-        rows.append([f"{name}, {unit}", s.mean, s.std, s.minimum, s.maximum, s.skewness, s.zero_up_crossings])
+        mean = s.mean if abs(s.mean) > 1e-12 * s.std else 0.0  # round-off is no mean
+        rows.append([f"{name}, {unit}", mean, s.std, s.minimum, s.maximum, s.skewness, s.zero_up_crossings])
     return _table(["", "mean", "standard deviation", "minimum", "maximum", "skewness", "up-crossings"], rows)
 
 

@@ -77,6 +77,8 @@ class ReportData:
         There, in Pa; normal stress signed, SCF included; von Mises nominal.
     potential, kinetic : float arrays [sample]
         Energies in J.
+    complete : bool
+        False where the stress does not reach the end of the record.
     """
 
     case: Mapping[str, Any]
@@ -97,6 +99,7 @@ class ReportData:
     stress_von_mises: Float[np.ndarray, " sample"]
     potential: Float[np.ndarray, " sample"]
     kinetic: Float[np.ndarray, " sample"]
+    complete: bool = True
     title: str = "Response and fatigue in one sea state"
 
     @property
@@ -121,6 +124,7 @@ class ReportCollector:
     _blocks: dict[str, list[Any]] = field(default_factory=dict)
     _next: dict[str, int] = field(default_factory=dict)
     _dt: dict[str, float] = field(default_factory=dict)
+    _complete: bool = False
 
     def add(self, block: Block) -> None:
         """Take a block of any stream; others than those shown are ignored.
@@ -149,6 +153,7 @@ class ReportCollector:
                 f"{stream} sequence {block.sequence}: expected {expected}; the stream has a gap."
             )
         self._next[stream] = block.sequence + 1
+        self._complete = self._complete or (stream == "stress" and block.last)
         self._dt[stream] = block.dt
         self._blocks.setdefault(stream, []).append(parts)
 
@@ -199,6 +204,7 @@ class ReportCollector:
             stress_von_mises=von_mises,
             potential=potential,
             kinetic=kinetic,
+            complete=self._complete,
         )
 
     def _parts(self, stream: str) -> list[Any]:

@@ -28,7 +28,6 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.graph import run_graph
     from owt_bringup.output import ProgressBar
     from owt_bringup.results import print_table, result_rows, write_results
-    from owt_bringup.versions import versions
     from owt_model.structure import load_structure
     from owt_postproc.bag_report import bag_report
 
@@ -41,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
     finally:
         bar.close()
     graph_seconds = time.perf_counter() - start
-    data = bag_report(result.bag, versions=versions())
+    data = bag_report(result.bag)
     write_results(data, result.bag)
     size = sum(path.stat().st_size for path in result.bag.iterdir() if path.suffix == ".mcap")
     elapsed = time.perf_counter() - start

@@ -4,8 +4,21 @@ from __future__ import annotations
 
 import argparse
 import json
+from typing import TYPE_CHECKING
+
+from owt_model.errors import InputError
+
+if TYPE_CHECKING:
+    from owt_model.contracts import LoadBasis
+    from owt_model.structure import Structure
 
 HELP = "eigenfrequencies, damping, mass and Guyan stiffness of a structure"
+
+#: Loads that give the MTA vectors of a reduction that has them: the sea of thesis table B.1.
+LOAD_CASE = {
+    "sea_state": {"hs_m": 8.25, "tp_s": 11.5, "direction_deg": 210.0, "seed": 1},
+    "wave": {"order": 2},
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -13,11 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--model", default="oc4", help="shipped structure, YAML file or SubDyn deck (default oc4)"
     )
-    parser.add_argument("--reduction", default=None, help="CBnn: also the frequencies of the reduced model")
-    parser.add_argument("--modes", type=int, default=20, help="number of modes (default 20)")
     parser.add_argument(
-        "--fixed-interface", action="store_true", help="clamp the interface: fixed-interface modes"
+        "--reduction",
+        help="reduce first: full, CBnn, CBnnMmm or Mmm; MTA vectors take the second-order loads of "
+        "Hs 8.25 m, Tp 11.5 s towards 210 degrees, seed 1",
     )
+    parser.add_argument("--modes", type=int, default=20, help="number of modes (default 20)")
+    parser.add_argument("--fixed-interface", action="store_true", help="clamp the interface")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -26,18 +41,38 @@ def run(options: argparse.Namespace) -> int:
     from owt_model.structure import load_structure
     from owt_structure_node.core.eigen import eigen_report
 
+    if options.fixed_interface and options.reduction:
+        raise InputError(
+            "reduction", options.reduction, "has no meaning with --fixed-interface", "Leave one of them out."
+        )
+    structure = load_structure(options.model)
     report = eigen_report(
-        load_structure(options.model),
+        structure,
         reduction=options.reduction,
         n_modes=options.modes,
         fixed_interface=options.fixed_interface,
+        basis=_load_basis(structure, options.reduction),
     )
     if options.json:
         print(json.dumps(report, allow_nan=False))
         return 0
-    print(f"{report['model']}: {report['mass_kg'] / 1000:.1f} t")
-    key = "fixed_interface_frequencies_hz" if options.fixed_interface else "frequencies_hz"
-    print("mode  frequency [Hz]")
-    for i, frequency in enumerate(report[key], 1):
-        print(f"{i:4d}  {frequency:14.4f}")
+    tonnes = report["mass_kg"] / 1000.0
+    print(f"{report['model']}, {report['reduction']}: {tonnes:.1f} t of steel and lumped masses")
+    print("mode  frequency [Hz]  log decrement [%]")
+    for i, (f, d) in enumerate(zip(report["frequencies_hz"], report["logdec_percent"], strict=True), 1):
+        print(f"{i:4d}  {f:14.4f}  {'overdamped' if d is None else f'{d:.2f}':>17}")
     return 0
+
+
+def _load_basis(structure: Structure, reduction: str | None) -> LoadBasis | None:
+    """Load vectors of a reduction that needs them."""
+    from owt_structure_node.core.stage import n_mta
+
+    vectors = n_mta(reduction) if reduction else 0
+    if vectors == 0:
+        return None
+    from owt_model.config import parse_case
+    from owt_model.mesh import build_mesh
+    from owt_wave_node.core.stage import build_wave_stage
+
+    return build_wave_stage(parse_case(LOAD_CASE), build_mesh(structure)).load_basis(vectors)

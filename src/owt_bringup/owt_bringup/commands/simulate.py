@@ -25,9 +25,9 @@ def run(options: argparse.Namespace) -> int:
 
     from owt_bringup.output import ProgressBar, prepare_folder, write_npz
     from owt_bringup.results import print_table, result_rows, write_results
-    from owt_bringup.versions import versions
     from owt_campaign.pipeline import run_case
     from owt_model.config import load_case
+    from owt_model.versions import versions
 
     start = time.perf_counter()
     case = load_case(options.case)

@@ -216,7 +216,7 @@ def final(model: FatigueModel, state: FatigueState) -> FatigueResult:
         curve=model.curve,
         scf=model.scf,
         samples=state.samples,
-        duration_s=state.samples * model.dt,
+        duration_s=max(state.samples - 1, 0) * model.dt,
         damage=totals[:, points, DAMAGE].copy(),
         cycles=0.5 * count[:, points],
         max_range=totals[:, points, LARGEST].copy(),

@@ -19,7 +19,7 @@ __all__ = ["LAUNCH_ARGUMENTS", "Argument", "default_parameters", "parameter_over
 
 _HEADER = """\
 # Parameters of the graph: the defaults of owt_model.config.CaseConfig, unit in every name.
-# Written by `python -m owt_bringup.arguments`; a test compares. Limits and descriptions: `ros2 param describe`.
+# Written by `python -m owt_bringup.arguments`; a test compares. Limits: `ros2 param describe`.
 """
 _CONVERT = {"float": float, "int": int, "str": str}
 

@@ -18,7 +18,7 @@ from lifecycle_msgs.msg import Transition
 
 from owt_bringup.domain import own_domain
 from owt_bringup.nodes import NODES
-from owt_bringup.process import Child, find_executable, stop_all
+from owt_bringup.process import Child, find_executable, remove_shared_memory, shared_memory_of, stop_all
 from owt_bringup.supervisor import Supervisor
 from owt_bringup.transport import PROFILE_VARIABLE, shared_memory_profile
 from owt_model.config import CaseConfig
@@ -194,6 +194,7 @@ def run_graph(
         raise InputError("bag", str(bag), "exists already", "Choose another name or remove it.")
     programs = {node.name: find_executable(node.package, node.name) for node in NODES}
     children: dict[str, Child] = {}
+    shared: set[Path] = set()
     began = {"start": time.monotonic()}
     with _work_folder(bag) as folder, own_domain(domain_id) as domain, _signals() as should_stop:
         parameters = folder / "parameters.yaml"
@@ -215,6 +216,7 @@ def run_graph(
                 began["configure"] = time.monotonic()
                 graph.change_states(list(children), Transition.TRANSITION_CONFIGURE, limits.configure)
                 began["run"] = time.monotonic()
+                shared |= {file for child in children.values() for file in shared_memory_of(child.pid)}
                 for name in children:
                     graph.change_states([name], Transition.TRANSITION_ACTIVATE, limits.start)
                 statistics = graph.watch(progress, case.time.duration_s, limits.stall)
@@ -224,6 +226,8 @@ def run_graph(
             stop_all(children.values())
             _keep_logs(folder, bag.parent / f".{bag.name}.partial")
             raise
+        finally:
+            remove_shared_memory(shared)
         _keep_logs(folder, bag)
     moments = [*began.values(), time.monotonic()]
     seconds = {name: moments[i + 1] - moments[i] for i, name in enumerate(began)}

@@ -8,10 +8,12 @@ children in order. A child asks the kernel to be told when the bring-up dies
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import time
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
@@ -19,10 +21,11 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 from owt_model.errors import InputError
 from owt_ros.process import PARENT_VARIABLE
 
-__all__ = ["Child", "find_executable", "stop_all"]
+__all__ = ["Child", "find_executable", "remove_shared_memory", "shared_memory_of", "stop_all"]
 
 #: Seconds that children have to end by themselves after SIGTERM.
 PATIENCE_S = 4.0
+_SEGMENT = re.compile(r"/dev/shm/fastdds_[0-9a-f]{16}$")
 
 
 def find_executable(package: str, name: str) -> Path:
@@ -125,6 +128,27 @@ class Child:
         except subprocess.TimeoutExpired:
             return False
         return True
+
+
+def shared_memory_of(pid: int | str) -> set[Path]:
+    """Return the data segments of Fast DDS that a process uses; none once it has ended."""
+    try:
+        lines = Path(f"/proc/{pid}/maps").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return set()
+    return {Path(match[0]) for line in lines if (match := _SEGMENT.search(line))}
+
+
+def remove_shared_memory(files: Iterable[Path]) -> None:
+    """Remove what killed processes left; what this process still uses stays.
+
+    Only for the segments of a domain of one's own whose processes have all ended. Ports are left alone:
+    graphs in other domains may share them.
+    """
+    for path in set(files) - shared_memory_of("self"):
+        for file in (path, path.with_name(f"{path.name}_el")):
+            with suppress(OSError):
+                file.unlink()
 
 
 def stop_all(children: Iterable[Child], *, patience_s: float = PATIENCE_S) -> None:

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from owt_model.errors import InputError
-from owt_model.validation import input_error
+from owt_model.reduction_name import parse_reduction
+from owt_model.validation import Frozen, input_error
 
 __all__ = [
     "CaseConfig",
@@ -33,7 +33,6 @@ __all__ = [
     "parse_case",
 ]
 
-_REDUCTION = re.compile(r"^(full|CB\d{2,3}|CB\d{2,3}M\d{2,3}|M\d{2,3})$")
 #: Steepness 2 pi Hs / (g Tp^2) above which a sea state cannot exist (limit of a single deep-water wave).
 MAX_STEEPNESS = 1.0 / 7.0
 #: Hs over water depth above which a sea state cannot exist (depth-limited breaking).
@@ -43,11 +42,7 @@ Direction = Annotated[float, Field(ge=-360.0, le=360.0)]
 PositiveInt = Annotated[int, Field(ge=1)]
 
 
-class _Frozen(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class SeaStateConfig(_Frozen):
+class SeaStateConfig(Frozen):
     """A stationary irregular sea state (thesis 2.7 and 4.4)."""
 
     hs_m: float = Field(6.0, gt=0.0, le=30.0, description="significant wave height in m")
@@ -64,7 +59,7 @@ class SeaStateConfig(_Frozen):
     )
 
 
-class Components(_Frozen):
+class Components(Frozen):
     """Explicit first-order components: eta1 = sum a cos(omega t - k (x cos b + y sin b) - phase)."""
 
     omega_rad_s: tuple[Annotated[float, Field(gt=0.0, le=100.0)], ...] = Field(
@@ -95,7 +90,7 @@ class Components(_Frozen):
         return self
 
 
-class Wave(_Frozen):
+class Wave(Frozen):
     """Wave theory and what is done above still water."""
 
     order: Literal[1, 2] = Field(2, description="perturbation order")
@@ -115,7 +110,7 @@ class Wave(_Frozen):
         return self
 
 
-class Time(_Frozen):
+class Time(Frozen):
     """Sampling of waves and loads."""
 
     dt_s: float = Field(0.1, gt=0.0, le=60.0, description="time step of waves and loads in s")
@@ -127,7 +122,7 @@ class Time(_Frozen):
         return self.n * self.dt_s
 
 
-class Morison(_Frozen):
+class Morison(Frozen):
     """Morison loads (thesis 4.2.3)."""
 
     cd: float = Field(1.0, ge=0.0, le=10.0, description="drag coefficient")
@@ -139,34 +134,30 @@ class Morison(_Frozen):
     discretisation_m: float = Field(1.0, ge=0.01, le=50.0, description="longest hydrodynamic element in m")
 
 
-class Damping(_Frozen):
+class Damping(Frozen):
     """Rayleigh damping C = alpha M + beta K."""
 
     alpha: float = Field(0.027, ge=0.0, le=10.0, description="mass proportional coefficient in 1/s")
     beta: float = Field(0.002, ge=0.0, le=1.0, description="stiffness proportional coefficient in s")
 
 
-class StructureConfig(_Frozen):
+class StructureConfig(Frozen):
     """Structure, its reduction and its time integration."""
 
-    model: str = Field("oc4", min_length=1, description="name of a shipped structure or path of a YAML file")
+    model: str = Field(
+        "oc4", min_length=1, description="name of a shipped structure, or path of a YAML file or SubDyn deck"
+    )
     reduction: str = Field("CB10M10", description="full, CBnn, CBnnMmm or Mmm")
     damping: Damping = Field(default_factory=Damping)
     dt_s: float = Field(0.02, gt=0.0, le=60.0, description="integration step in s; divides time.dt_s")
 
     @model_validator(mode="after")
     def _known_reduction(self) -> StructureConfig:
-        if not _REDUCTION.match(self.reduction):
-            raise InputError(
-                "structure.reduction",
-                self.reduction,
-                "must be full, CBnn, CBnnMmm or Mmm (nn, mm two digits)",
-                "For example CB10M10: 10 fixed-interface modes and 10 MTA vectors.",
-            )
+        parse_reduction(self.reduction)
         return self
 
 
-class Fatigue(_Frozen):
+class Fatigue(Frozen):
     """How stress becomes damage."""
 
     sn_curve: str = Field(
@@ -175,7 +166,7 @@ class Fatigue(_Frozen):
     scf: float = Field(1.0, ge=1.0, le=50.0, description="stress concentration factor on the nominal stress")
 
 
-class Stream(_Frozen):
+class Stream(Frozen):
     """How the graph and the in-process run cut time into blocks."""
 
     block: int = Field(50, ge=1, le=10_000, description="load samples per block")
@@ -183,7 +174,7 @@ class Stream(_Frozen):
     rate: float = Field(0.0, ge=0.0, le=100.0, description="simulated s per s; 0 as fast as the slowest node")
 
 
-class CaseConfig(_Frozen):
+class CaseConfig(Frozen):
     """One load case, from the sea to the damage."""
 
     water_depth_m: float = Field(50.0, gt=0.0, le=5000.0, description="water depth in m")

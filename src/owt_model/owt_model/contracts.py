@@ -12,8 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from owt_model.timing import sample_time_ns
+
 __all__ = [
     "SEA_FACTS",
+    "Block",
     "ElevationBlock",
     "EnergyBlock",
     "FatigueBlock",
@@ -85,7 +88,7 @@ class Block:
     @property
     def time_ns(self) -> int:
         """Simulated time of the first sample in ns, exact to the ns."""
-        return round(self.start * round(self.dt * 1e12) / 1e3)
+        return sample_time_ns(self.start, self.dt)
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from owt_model.errors import InputError
-from owt_model.validation import input_error
+from owt_model.validation import Frozen, input_error
 
 __all__ = [
     "AddedMass",
@@ -42,11 +42,7 @@ Fixity = tuple[bool, bool, bool, bool, bool, bool]
 CLAMPED: Fixity = (True, True, True, True, True, True)
 
 
-class _Frozen(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class Section(_Frozen):
+class Section(Frozen):
     """Circular hollow section of one material."""
 
     diameter_m: Positive = Field(description="outer diameter in m")
@@ -67,7 +63,7 @@ class Section(_Frozen):
         return self
 
 
-class Member(_Frozen):
+class Member(Frozen):
     """A straight tube from its first to its second joint."""
 
     joints: tuple[str, str]
@@ -75,14 +71,14 @@ class Member(_Frozen):
     flooded: bool = Field(False, description="filled with water up to the free surface of `flooding`")
 
 
-class Interface(_Frozen):
+class Interface(Frozen):
     """Joints tied rigidly to one six-degree-of-freedom node, the transition piece."""
 
     joints: tuple[str, ...] = Field(min_length=1)
     reference_m: Point = Field(description="position of the transition-piece node in m")
 
 
-class PointMass(_Frozen):
+class PointMass(Frozen):
     """Mass and inertia about the node; `offset_m` is the centre of gravity seen from the node."""
 
     mass_kg: NonNegative = 0.0
@@ -92,7 +88,7 @@ class PointMass(_Frozen):
     offset_m: Point = (0.0, 0.0, 0.0)
 
 
-class Tower(_Frozen):
+class Tower(Frozen):
     """Tower of linearly tapering diameter and parabolic wall thickness, from the transition piece up."""
 
     height_m: Positive
@@ -111,7 +107,7 @@ class RotorNacelle(PointMass):
     """Rotor-nacelle assembly, lumped at the tower top."""
 
 
-class MarineGrowth(_Frozen):
+class MarineGrowth(Frozen):
     """Marine growth of constant thickness between two levels."""
 
     thickness_m: Positive
@@ -120,14 +116,14 @@ class MarineGrowth(_Frozen):
     z_top_m: float
 
 
-class Flooding(_Frozen):
+class Flooding(Frozen):
     """Water inside the flooded members, up to its free surface."""
 
     density_kg_m3: Positive
     free_surface_z_m: float = 0.0
 
 
-class AddedMass(_Frozen):
+class AddedMass(Frozen):
     """Added mass of the displaced water, growth included."""
 
     coefficient: NonNegative = 1.0
@@ -135,7 +131,7 @@ class AddedMass(_Frozen):
     free_surface_z_m: float = 0.0
 
 
-class Structure(_Frozen):
+class Structure(Frozen):
     """A bottom-fixed support structure with an optional tower and rotor-nacelle mass."""
 
     name: str = Field(min_length=1)

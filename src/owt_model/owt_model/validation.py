@@ -1,14 +1,16 @@
-"""Turns a pydantic validation error into the project's one-line InputError."""
+"""The base of all validated data, and its errors as the project's one-line InputError."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic.fields import FieldInfo
 
 from owt_model.errors import InputError
 
-__all__ = ["input_error"]
+__all__ = ["Frozen", "input_error"]
 
 _RULES = {
     "extra_forbidden": "is not a known key",
@@ -26,6 +28,12 @@ _RULES = {
 }
 
 
+class Frozen(BaseModel):
+    """Data that never changes: no unknown key, no conversion of types, finite numbers only."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
 def _location(parts: tuple[int | str, ...]) -> str:
     text = ""
     for part in parts:
@@ -33,8 +41,10 @@ def _location(parts: tuple[int | str, ...]) -> str:
     return text
 
 
-def _known_keys(model: type[BaseModel], parts: tuple[int | str, ...]) -> list[str]:
-    """Field names of the (nested) model in which an unknown key was found."""
+def _walk(
+    model: type[BaseModel], parts: tuple[int | str, ...]
+) -> Iterator[tuple[FieldInfo, type[BaseModel]]]:
+    """Fields on the way to a location, each with the model whose keys come next."""
     for part in parts:
         field = model.model_fields.get(str(part))
         if field is None:
@@ -42,20 +52,19 @@ def _known_keys(model: type[BaseModel], parts: tuple[int | str, ...]) -> list[st
         for candidate in (field.annotation, *get_args(field.annotation)):
             if isinstance(candidate, type) and issubclass(candidate, BaseModel):
                 model = candidate
-    return list(model.model_fields)
+        yield field, model
+
+
+def _known_keys(model: type[BaseModel], parts: tuple[int | str, ...]) -> list[str]:
+    """Field names of the (nested) model in which an unknown key was found."""
+    inner = [model, *(entered for _, entered in _walk(model, parts))][-1]
+    return list(inner.model_fields)
 
 
 def _description(model: type[BaseModel], parts: tuple[int | str, ...]) -> str:
-    description = ""
-    for part in parts:
-        field = model.model_fields.get(str(part)) if isinstance(part, str) else None
-        if field is None:
-            continue
-        description = field.description or description
-        for candidate in (field.annotation, *get_args(field.annotation)):
-            if isinstance(candidate, type) and issubclass(candidate, BaseModel):
-                model = candidate
-    return description
+    """Description of the innermost field on the way to a location that has one."""
+    found = [field.description for field, _ in _walk(model, parts) if field.description]
+    return found[-1] if found else ""
 
 
 def input_error(error: ValidationError, model: type[BaseModel], *, remedy: str) -> InputError:

@@ -19,7 +19,8 @@ from owt_model.contracts import (
     ReducedDescription,
     StressBlock,
 )
-from owt_ros.wire import head_of, indices, read_doubles, start_index, time_ns
+from owt_model.timing import sample_index
+from owt_ros.wire import head_of, indices, read_doubles, time_ns
 
 __all__ = [
     "to_elevation",
@@ -132,7 +133,7 @@ def to_fatigue(message: Any, *, dt: float) -> FatigueBlock:
     n = len(message.damage)
     return FatigueBlock(
         sequence=int(message.sequence),
-        start=start_index(time_ns(message.header.stamp), dt),
+        start=sample_index(time_ns(message.header.stamp), dt),
         dt=dt,
         last=bool(message.last),
         samples_counted=int(message.samples_counted),

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from owt_model.errors import ComputationError
+from owt_model.timing import sample_index, sample_time_ns
 
 __all__ = [
     "NO_MEMBER",
@@ -24,24 +25,17 @@ __all__ = [
     "peek_head",
     "peek_stamp",
     "read_doubles",
-    "start_index",
     "time_ns",
     "uint32s",
 ]
 
 #: Member of an element that belongs to none (the tower).
 NO_MEMBER = 2**32 - 1
-_PICO = 1e12
 
 
 def time_ns(time: Any) -> int:
     """Return a time message in ns."""
     return int(time.sec) * 1_000_000_000 + int(time.nanosec)
-
-
-def start_index(ns: int, dt: float) -> int:
-    """Return the index of the sample at simulated time `ns` in ns; the inverse of ``Block.time_ns``."""
-    return round(ns * 1e3 / round(dt * _PICO))
 
 
 @dataclass(frozen=True)
@@ -57,12 +51,12 @@ class Head:
     @property
     def start(self) -> int:
         """Index of the first sample in the stream."""
-        return start_index(self.time_ns, self.dt)
+        return sample_index(self.time_ns, self.dt)
 
     @property
     def end_ns(self) -> int:
         """Simulated time in ns of the sample that follows the last one of this block."""
-        return round((self.start + self.samples) * round(self.dt * _PICO) / 1e3)
+        return sample_time_ns(self.start + self.samples, self.dt)
 
 
 def _checked(head: Head, kind: str) -> Head:

@@ -22,8 +22,9 @@ from owt_model.contracts import (
 from owt_model.errors import ComputationError
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
+from owt_model.timing import sample_index
 from owt_ros import convert, decode
-from owt_ros.wire import NO_MEMBER, head_of, peek_head, peek_stamp, start_index
+from owt_ros.wire import NO_MEMBER, head_of, peek_head, peek_stamp
 
 RANDOM = np.random.default_rng(5)
 HEAD = {"sequence": 7, "start": 350, "dt": 0.02, "last": True}
@@ -143,7 +144,7 @@ def test_head_is_read_from_the_bytes_alone(name: str) -> None:
 def test_stamps_are_exact_and_give_the_index_back(dt: float, start: int) -> None:
     time_ns = Block(0, start, dt, False).time_ns
     assert time_ns == pytest.approx(start * dt * 1e9, abs=1 + start * 1e-3)
-    assert start_index(time_ns, dt) == start
+    assert sample_index(time_ns, dt) == start
 
 
 @pytest.mark.parametrize(

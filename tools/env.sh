@@ -5,9 +5,10 @@ INSTALL=$ROOT/install
 
 # "wheels", or the name of a sourced ROS 2 distribution (one of its prefixes holds rclpy).
 ros_mode() {
-    local prefix
+    local prefix prefixes
     if [[ -n ${ROS_DISTRO:-} ]]; then
-        for prefix in ${AMENT_PREFIX_PATH//:/ }; do
+        IFS=: read -ra prefixes <<<"${AMENT_PREFIX_PATH:-}"
+        for prefix in "${prefixes[@]}"; do
             [[ $prefix == "$VENV" || ! -e $prefix/share/ament_index/resource_index/packages/rclpy ]] || {
                 echo "$ROS_DISTRO"
                 return
@@ -44,8 +45,9 @@ use_environment() {
 }
 
 # What each part of the set-up was made from. A part is up to date when the text equals its stamp file.
-stamp_of() {
-    local -a files
+# A subshell, so that the patterns are expanded in the workspace wherever the caller stands.
+stamp_of() (
+    cd "$ROOT" || exit
     case $1 in
         environment) files=(requirements.lock tools/setup.sh tools/patch_cmake.py tools/site_hook.py) ;;
         messages) files=(requirements.lock .venv/pyvenv.cfg src/owt_msgs/{CMakeLists.txt,package.xml} src/owt_msgs/{msg,srv,action}/*) ;;
@@ -54,13 +56,13 @@ stamp_of() {
                 src/*/launch/*.py src/*/config/*.yaml)
             ;;
         kernels:*) # numba looks at the time and size of a source file, so that is what counts
-            (cd "$ROOT" && stat -c '%n %.9Y %s' src/"${1#*:}"/"${1#*:}"/kernels{.p[y],/*.py} requirements.lock .venv/pyvenv.cfg)
-            return
+            stat -c '%n %.9Y %s' src/"${1#*:}"/"${1#*:}"/kernels{.p[y],/*.py} requirements.lock .venv/pyvenv.cfg
+            exit
             ;;
     esac
     echo "$ROOT $MODE"
-    (cd "$ROOT" && sha256sum "${files[@]}")
-}
+    sha256sum "${files[@]}"
+)
 
 stamp_file() {
     case $1 in

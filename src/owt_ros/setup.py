@@ -1,21 +1,22 @@
-from glob import glob
+from pathlib import Path
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
 NAME = "owt_ros"
+MANIFEST = ElementTree.parse(Path(__file__).with_name("package.xml"))
 
 setup(
     name=NAME,
-    version="0.1.0",
+    version=MANIFEST.findtext("version"),
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={NAME: ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
-        (f"share/{NAME}/launch", glob("launch/*.py")),
-        (f"share/{NAME}/config", glob("config/*.yaml")),
     ],
-    install_requires=["setuptools"],
+    install_requires=["setuptools", "annotated-types", "pydantic>=2"],
+    extras_require={"test": ["beartype", "hypothesis", "pytest", "pytest-timeout", "rosbags"]},
     zip_safe=False,
     maintainer="owt maintainers",
     maintainer_email="maintainers@owt.invalid",

@@ -29,6 +29,8 @@ def atomic_path(path: Path) -> Iterator[Path]:
         If nothing can be written there.
     """
     folder = path.absolute().parent
+    if path.exists() and not path.is_file():
+        raise InputError("output", str(path), "exists and is no regular file", "Choose another name.")
     try:
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".partial", dir=folder)
         os.close(handle)

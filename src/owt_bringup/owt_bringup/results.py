@@ -16,8 +16,8 @@ __all__ = ["print_table", "result_rows", "write_results"]
 def write_results(data: ReportData, folder: Path) -> dict[str, Any]:
     """Write ``summary.json`` and ``report.html`` into `folder`; return the summary."""
     numbers = summary(data)
-    write_json(folder / "summary.json", numbers)
     write_report(data, folder / "report.html")
+    write_json(folder / "summary.json", numbers)
     return numbers
 
 

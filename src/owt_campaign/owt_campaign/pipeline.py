@@ -10,7 +10,6 @@ import numpy as np
 
 from owt_model.config import CaseConfig
 from owt_model.contracts import (
-    SEA_FACTS,
     Block,
     ElevationBlock,
     EnergyBlock,
@@ -19,6 +18,7 @@ from owt_model.contracts import (
     LoadBlock,
     ModalBlock,
     StressBlock,
+    sea_facts,
 )
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import load_structure
@@ -192,7 +192,7 @@ def run_case(
         reduced=run.response.description,
         fatigue=fatigue_stage.final(run.fatigue, state),
         geometry=mesh_geometry(run.mesh),
-        sea_state={name: getattr(sea, name) for name in SEA_FACTS},
+        sea_state=sea_facts(sea),
         versions=versions,
     )
     return CaseResult(report, _series(kept), run.clock.seconds)

@@ -39,7 +39,8 @@ MAX_STEEPNESS = 1.0 / 7.0
 MAX_HEIGHT_OVER_DEPTH = 0.6
 
 Direction = Annotated[float, Field(ge=-360.0, le=360.0)]
-PositiveInt = Annotated[int, Field(ge=1)]
+#: Beyond a thousand km a phase k x has lost its last digits.
+Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 
 class SeaStateConfig(Frozen):
@@ -62,13 +63,15 @@ class SeaStateConfig(Frozen):
 class Components(Frozen):
     """Explicit first-order components: eta1 = sum a cos(omega t - k (x cos b + y sin b) - phase)."""
 
-    omega_rad_s: tuple[Annotated[float, Field(gt=0.0, le=100.0)], ...] = Field(
+    omega_rad_s: tuple[Annotated[float, Field(ge=1e-4, le=100.0)], ...] = Field(
         min_length=1, description="angular frequencies in rad/s"
     )
     amplitude_m: tuple[Annotated[float, Field(ge=0.0, le=50.0)], ...] = Field(
         min_length=1, description="amplitudes in m"
     )
-    phase_rad: tuple[float, ...] = Field(min_length=1, description="phases in rad")
+    phase_rad: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = Field(
+        min_length=1, description="phases in rad"
+    )
     direction_deg: Direction | tuple[Direction, ...] = Field(
         0.0, description="direction the waves travel to, one or one per component, in degrees"
     )
@@ -184,10 +187,10 @@ class CaseConfig(Frozen):
     components: Components | None = None
     wave: Wave = Field(default_factory=Wave)
     time: Time = Field(default_factory=Time)
-    points_m: tuple[tuple[float, float, float], ...] | None = Field(
+    points_m: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] | None = Field(
         None, min_length=1, description="points [x, y, z] of `waves`, z up from still water"
     )
-    gauges_m: tuple[tuple[float, float], ...] = Field(
+    gauges_m: tuple[tuple[Coordinate, Coordinate], ...] = Field(
         ((0.0, 0.0),), min_length=1, description="gauge points [x, y] of the surface elevation"
     )
     morison: Morison = Field(default_factory=Morison)
@@ -305,9 +308,20 @@ def load_case(path: str | Path) -> CaseConfig:
             "case file", str(path), f"cannot be read ({reason})", "Give a readable JSON file."
         ) from None
     try:
-        data = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise InputError(
-            "case file", str(path), f"is not JSON ({error.msg}, line {error.lineno})", "Check its syntax."
-        ) from None
+        data = json.loads(text, object_pairs_hook=_no_duplicates)
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError("case file", str(path), f"is not JSON ({reason})", "Check its syntax.") from None
     return parse_case(data)
+
+
+def _no_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Refuse a JSON object that names a key twice: one of the two values would be lost."""
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise InputError(key, value, "is given twice in the case file", "Keep one of the two.")
+        found[key] = value
+    return found

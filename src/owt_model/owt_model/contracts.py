@@ -8,6 +8,7 @@ time is ``start * dt``; the block marked ``last`` ends the stream.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -15,7 +16,6 @@ from jaxtyping import Float, Int
 from owt_model.timing import sample_time_ns
 
 __all__ = [
-    "SEA_FACTS",
     "Block",
     "ElevationBlock",
     "EnergyBlock",
@@ -26,22 +26,8 @@ __all__ = [
     "ReducedDescription",
     "SeaState",
     "StressBlock",
+    "sea_facts",
 ]
-
-
-#: Scalars of a sea state that a report shows; its message holds them under the same names.
-SEA_FACTS = (
-    "hs_m",
-    "tp_s",
-    "gamma",
-    "direction_deg",
-    "seed",
-    "order",
-    "stretching",
-    "cutoff_rad_s",
-    "water_depth_m",
-    "duration_s",
-)
 
 
 @dataclass(frozen=True)
@@ -74,6 +60,19 @@ class SeaState:
     def duration_s(self) -> float:
         """Length n dt of the record in s."""
         return self.n * self.dt_s
+
+
+def sea_facts(sea: Any) -> dict[str, Any]:
+    """Scalars of a sea state, or of its message, that a report shows.
+
+    What only a spectrum has (Hs, Tp, gamma, seed) is None for a sea given by its components.
+    """
+    names = ("direction_deg", "order", "stretching", "cutoff_rad_s", "water_depth_m", "duration_s")
+    spectral = ("hs_m", "tp_s", "gamma", "seed")
+    listed = not sea.hs_m > 0.0
+    return {name: None if listed else getattr(sea, name) for name in spectral} | {
+        name: getattr(sea, name) for name in names
+    }
 
 
 @dataclass(frozen=True)

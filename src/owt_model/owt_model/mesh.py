@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from owt_model.structure import Structure
+from owt_model.structure import Section, Structure, Tower
 
 __all__ = ["DOF_FIXED", "DOF_TIED", "Mesh", "build_mesh"]
 
@@ -29,13 +29,37 @@ class Mesh:
 
     Attributes
     ----------
+    structure : Structure
+        What the mesh was made from.
+    node_name : tuple of str [node]
+        Joint, ``member.i``, ``TP`` or ``tower.i``.
+    node_position : float array [node, 3]
+        x, y, z in m, z up from still water.
     node_dof : int array [node, 6]
         Number of the free degree of freedom, ``DOF_FIXED`` at supports, ``DOF_TIED`` at interface
         joints, whose motion is that of the rigid transition piece.
+    element_node : int array [element, 2]
+        First and last node.
     element_member : int array [element]
         Member of the element, -1 for a tower element.
+    element_diameter, element_thickness : float arrays [element]
+        Outer diameter and wall thickness in m; of a tower element those at its middle.
+    element_youngs_modulus, element_shear_modulus : float arrays [element]
+        Pa.
+    element_density : float array [element]
+        Density of the wall in kg/m3.
+    member_name : tuple of str [member]
+        In the order of the structure.
     member_node, member_element : int arrays [member, 2]
         First and last node, first and last element of each member.
+    member_flooded : bool array [member]
+        True where water fills the member up to the free surface of the structure's `flooding`.
+    interface_node : int array [interface]
+        Joints tied to the transition piece.
+    transition_piece : int
+        Node of the transition piece.
+    tower_node : int array [tower_node]
+        Nodes of the tower above the transition piece, bottom to top; empty without a tower.
     """
 
     structure: Structure
@@ -83,6 +107,12 @@ class Mesh:
         return int(self.tower_node[-1]) if len(self.tower_node) else self.transition_piece
 
     @property
+    def element_length(self) -> Float[np.ndarray, " element"]:
+        """Length of each element in m."""
+        ends = self.node_position[self.element_node]
+        return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+
+    @property
     def is_tower(self) -> Bool[np.ndarray, " element"]:
         """True for elements of the tower."""
         return np.asarray(self.element_member < 0)
@@ -102,100 +132,86 @@ class Mesh:
         )
 
 
+class _Builder:
+    """Nodes and elements, in the order in which they are added."""
+
+    def __init__(self, structure: Structure) -> None:
+        self.joint = {name: i for i, name in enumerate(structure.joints)}
+        self.name = list(structure.joints)
+        self.position = [np.array(p, dtype=float) for p in structure.joints.values()]
+        self.ends: list[tuple[int, int]] = []
+        self.owner: list[int] = []
+        self.properties: list[tuple[float, ...]] = []
+
+    def node(self, name: str, position: Float[np.ndarray, " 3"]) -> int:
+        """Add a node; returns its index."""
+        self.name.append(name)
+        self.position.append(position)
+        return len(self.name) - 1
+
+    def element(
+        self, first: int, last: int, owner: int, wall: tuple[float, float], material: Section | Tower
+    ) -> int:
+        """Add an element of diameter and thickness `wall` between two nodes; returns its index."""
+        self.ends.append((first, last))
+        self.owner.append(owner)
+        self.properties.append(
+            (*wall, material.youngs_modulus_pa, material.shear_modulus_pa, material.density_kg_m3)
+        )
+        return len(self.ends) - 1
+
+    def member(self, m: int, name: str, joints: tuple[str, str], section: Section, count: int) -> list[int]:
+        """Add a member of `count` elements; returns its first and last element."""
+        first, last = (self.joint[j] for j in joints)
+        begin, end = self.position[first], self.position[last]
+        inner = [self.node(f"{name}.{i}", begin + (end - begin) * (i / count)) for i in range(1, count)]
+        wall = (section.diameter_m, section.thickness_m)
+        added = [self.element(a, b, m, wall, section) for a, b in pairwise([first, *inner, last])]
+        return [added[0], added[-1]]
+
+    def tower(self, tower: Tower, base: int) -> list[int]:
+        """Add the tower upon node `base`, each element as it is at its middle; returns its nodes."""
+        nodes = [base]
+        for i in range(tower.elements):
+            rise = np.array([0.0, 0.0, tower.height_m * (i + 1) / tower.elements])
+            nodes.append(self.node(f"tower.{i + 1}", self.position[base] + rise))
+            middle = (i + 0.5) / tower.elements
+            wall = (tower.diameter_at(middle), tower.thickness_at(middle))
+            self.element(nodes[-2], nodes[-1], -1, wall, tower)
+        return nodes[1:]
+
+
 def build_mesh(structure: Structure) -> Mesh:
     """Subdivide the members and the tower of `structure` into elements."""
-    joint = {name: i for i, name in enumerate(structure.joints)}
-    names = list(structure.joints)
-    position = [np.array(p, dtype=float) for p in structure.joints.values()]
-    sections = structure.sections
-    nodes: list[tuple[int, int]] = []
-    owner: list[int] = []
-    properties: list[tuple[float, ...]] = []
-    member_node, member_element = [], []
-    n = structure.elements_per_member
-    for m, (name, member) in enumerate(structure.members.items()):
-        first, last = joint[member.joints[0]], joint[member.joints[1]]
-        chain = [first]
-        for i in range(1, n):
-            chain.append(len(names))
-            names.append(f"{name}.{i}")
-            position.append(position[first] + (position[last] - position[first]) * (i / n))
-        chain.append(last)
-        section = sections[member.section]
-        member_node.append((first, last))
-        member_element.append((len(nodes), len(nodes) + n - 1))
-        for a, b in pairwise(chain):
-            nodes.append((a, b))
-            owner.append(m)
-            properties.append(
-                (
-                    section.diameter_m,
-                    section.thickness_m,
-                    section.youngs_modulus_pa,
-                    section.shear_modulus_pa,
-                    section.density_kg_m3,
-                )
-            )
-    transition_piece = len(names)
-    names.append("TP")
-    position.append(np.array(structure.interface.reference_m, dtype=float))
-    tower_node = _add_tower(structure, transition_piece, names, position, nodes, owner, properties)
-    columns = np.array(properties, dtype=float).T.copy()
+    made = _Builder(structure)
+    members = structure.members.values()
+    member_element = [
+        made.member(m, name, member.joints, structure.sections[member.section], structure.elements_per_member)
+        for m, (name, member) in enumerate(structure.members.items())
+    ]
+    transition_piece = made.node("TP", np.array(structure.interface.reference_m, dtype=float))
+    tower_node = [] if structure.tower is None else made.tower(structure.tower, transition_piece)
+    diameter, thickness, youngs, shear, density = np.array(made.properties, dtype=float).T.copy()
     return Mesh(
         structure=structure,
-        node_name=tuple(names),
-        node_position=np.array(position),
-        node_dof=_number(structure, joint, len(names)),
-        element_node=np.array(nodes, dtype=np.int64),
-        element_member=np.array(owner, dtype=np.int64),
-        element_diameter=columns[0],
-        element_thickness=columns[1],
-        element_youngs_modulus=columns[2],
-        element_shear_modulus=columns[3],
-        element_density=columns[4],
+        node_name=tuple(made.name),
+        node_position=np.array(made.position),
+        node_dof=_number(structure, made.joint, len(made.name)),
+        element_node=np.array(made.ends, dtype=np.int64),
+        element_member=np.array(made.owner, dtype=np.int64),
+        element_diameter=diameter,
+        element_thickness=thickness,
+        element_youngs_modulus=youngs,
+        element_shear_modulus=shear,
+        element_density=density,
         member_name=tuple(structure.members),
-        member_node=np.array(member_node, dtype=np.int64),
+        member_node=np.array([[made.joint[j] for j in member.joints] for member in members], dtype=np.int64),
         member_element=np.array(member_element, dtype=np.int64),
-        member_flooded=np.array([member.flooded for member in structure.members.values()], dtype=bool),
-        interface_node=np.array([joint[name] for name in structure.interface.joints], dtype=np.int64),
+        member_flooded=np.array([member.flooded for member in members], dtype=bool),
+        interface_node=np.array([made.joint[name] for name in structure.interface.joints], dtype=np.int64),
         transition_piece=transition_piece,
         tower_node=np.array(tower_node, dtype=np.int64),
     )
-
-
-def _add_tower(
-    structure: Structure,
-    transition_piece: int,
-    names: list[str],
-    position: list[Float[np.ndarray, " 3"]],
-    nodes: list[tuple[int, int]],
-    owner: list[int],
-    properties: list[tuple[float, ...]],
-) -> list[int]:
-    """Append the tower; each element has the diameter and thickness at its middle."""
-    tower = structure.tower
-    if tower is None:
-        return []
-    base, below, added = position[transition_piece], transition_piece, []
-    for i in range(tower.elements):
-        s = (i + 0.5) / tower.elements
-        diameter = tower.diameter_base_m + (tower.diameter_top_m - tower.diameter_base_m) * s
-        thickness = (
-            tower.thickness_base_m * (1 - s) * (1 - 2 * s)
-            + 4 * tower.thickness_mid_m * s * (1 - s)
-            + tower.thickness_top_m * s * (2 * s - 1)
-        )
-        above = len(names)
-        names.append(f"tower.{i + 1}")
-        position.append(base + np.array([0.0, 0.0, tower.height_m * (i + 1) / tower.elements]))
-        nodes.append((below, above))
-        owner.append(-1)
-        properties.append(
-            (diameter, thickness, tower.youngs_modulus_pa, tower.shear_modulus_pa, tower.density_kg_m3)
-        )
-        added.append(above)
-        below = above
-    return added
 
 
 def _number(structure: Structure, joint: dict[str, int], n_nodes: int) -> Int[np.ndarray, "node 6"]:

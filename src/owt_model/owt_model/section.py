@@ -1,4 +1,4 @@
-"""Circular hollow section: properties and the stresses that follow from section forces."""
+"""Circular hollow section: area and second moments of area."""
 
 from __future__ import annotations
 

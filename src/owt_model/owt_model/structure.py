@@ -13,6 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 import yaml
 from pydantic import Field, ValidationError, model_validator
 
@@ -35,7 +36,8 @@ __all__ = [
     "shipped_structures",
 ]
 
-Point = tuple[float, float, float]
+Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
+Point = tuple[Coordinate, Coordinate, Coordinate]
 Positive = Annotated[float, Field(gt=0.0)]
 NonNegative = Annotated[float, Field(ge=0.0)]
 Fixity = tuple[bool, bool, bool, bool, bool, bool]
@@ -102,6 +104,30 @@ class Tower(Frozen):
     shear_modulus_pa: Positive
     density_kg_m3: Positive
 
+    @model_validator(mode="after")
+    def _wall(self) -> Tower:
+        for s in np.linspace(0.0, 1.0, 101):
+            wall, diameter = self.thickness_at(float(s)), self.diameter_at(float(s))
+            if not 0.0 < 2.0 * wall <= diameter or wall < 0.2 * min(
+                self.thickness_base_m, self.thickness_top_m
+            ):
+                raise InputError(
+                    "tower.thickness_mid_m",
+                    self.thickness_mid_m,
+                    f"makes the parabolic wall {wall:.3g} m thick at {s:.0%} of the height",
+                    "Choose a middle thickness between those of base and top.",
+                )
+        return self
+
+    def diameter_at(self, s: float) -> float:
+        """Outer diameter in m at the share `s` of the height."""
+        return self.diameter_base_m + (self.diameter_top_m - self.diameter_base_m) * s
+
+    def thickness_at(self, s: float) -> float:
+        """Wall thickness in m at the share `s` of the height: a parabola through base, mid and top."""
+        base, mid, top = self.thickness_base_m, self.thickness_mid_m, self.thickness_top_m
+        return base * (1 - s) * (1 - 2 * s) + 4 * mid * s * (1 - s) + top * s * (2 * s - 1)
+
 
 class RotorNacelle(PointMass):
     """Rotor-nacelle assembly, lumped at the tower top."""
@@ -114,6 +140,17 @@ class MarineGrowth(Frozen):
     density_kg_m3: Positive
     z_bottom_m: float
     z_top_m: float
+
+    @model_validator(mode="after")
+    def _upright(self) -> MarineGrowth:
+        if self.z_bottom_m >= self.z_top_m:
+            raise InputError(
+                "marine_growth.z_bottom_m",
+                self.z_bottom_m,
+                f"must lie below z_top_m = {self.z_top_m} m",
+                "z is up from still water.",
+            )
+        return self
 
 
 class Flooding(Frozen):
@@ -209,6 +246,9 @@ class Structure(Frozen):
             if pair in pairs:
                 raise InputError(f"members.{name}", member.joints, "duplicates another member", "Remove one.")
             pairs.add(pair)
+        repeated = [name for name, n in Counter(self.interface.joints).items() if n > 1]
+        if repeated:
+            raise InputError("interface.joints", repeated, "are listed twice", "List each joint once.")
         overlap = set(self.interface.joints) & set(self.supports)
         if overlap:
             raise InputError(
@@ -258,12 +298,12 @@ def parse_structure(data: Any, *, source: str) -> Structure:
         raise InputError(source, data, "must be a mapping", "See the shipped structures for an example.")
     try:
         return Structure.model_validate_json(json.dumps(data))
-    except TypeError as error:
+    except ValidationError as error:
+        raise input_error(error, Structure, remedy=f"See {source}.") from None
+    except (TypeError, ValueError, RecursionError) as error:
         raise InputError(
             source, "data", f"holds something that is not plain data ({error})", "Quote it."
         ) from None
-    except ValidationError as error:
-        raise input_error(error, Structure, remedy=f"See {source}.") from None
 
 
 def load_structure(model: str) -> Structure:
@@ -298,9 +338,27 @@ def load_structure(model: str) -> Structure:
     return parse_subdyn(text, source=model)
 
 
+class _UniqueKeys(yaml.SafeLoader):
+    """A SafeLoader that refuses a mapping which names a key twice: one of the two would be lost."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Build a mapping from unique keys."""
+        keys = [self.construct_object(key, deep=True) for key, _ in node.value]
+        for key, n in Counter(map(str, keys)).items():
+            if n > 1:
+                line = node.start_mark.line + 1
+                raise InputError(
+                    key, "", f"is given twice in the mapping of line {line}", "Keep one of the two."
+                )
+        return super().construct_mapping(node, deep=deep)
+
+
 def _yaml(text: str, source: str) -> Any:
     try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        problem = str(error).splitlines()[0]
+        return yaml.load(text, Loader=_UniqueKeys)
+    except InputError:
+        raise
+    # PyYAML lets the errors of its constructors through: dates, numbers and tags that cannot be.
+    except (yaml.YAMLError, ValueError, KeyError, AttributeError, TypeError, RecursionError) as error:
+        problem = (str(error) or type(error).__name__).splitlines()[0]
         raise InputError("structure.model", source, f"is not YAML ({problem})", "Check its syntax.") from None

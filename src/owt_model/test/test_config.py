@@ -111,3 +111,13 @@ def test_integration_step_divides_the_load_step_where_it_is_used() -> None:
         _ = case.substeps
     assert "0.0166667 s" in caught.value.remedy
     assert parse_case({"time": {"dt_s": 0.05}, "structure": {"dt_s": 0.01}}).substeps == 5
+
+
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, '{"seed": ' + "9" * 5001 + "}", '{"wave": {"order": 1, "order": 2}}'], ids=len
+)
+def test_hostile_text_is_one_clear_error(tmp_path: Path, text: str) -> None:
+    """Nesting without end, a number without end, a key given twice."""
+    (tmp_path / "case.json").write_text(text)
+    with pytest.raises(InputError):
+        load_case(tmp_path / "case.json")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,11 @@ from owt_model.structure import load_structure, parse_structure, shipped_structu
 TUBE = {
     "diameter_m": 1.0, "thickness_m": 0.05, "youngs_modulus_pa": 2.1e11, "shear_modulus_pa": 8e10,
     "density_kg_m3": 7850.0,
+}  # fmt: skip
+TOWER = {
+    "height_m": 68.8, "diameter_base_m": 5.5, "diameter_top_m": 3.1, "thickness_base_m": 0.0387,
+    "thickness_mid_m": 0.035, "thickness_top_m": 0.0175, "youngs_modulus_pa": 2.1e11,
+    "shear_modulus_pa": 8e10, "density_kg_m3": 7850.0,
 }  # fmt: skip
 CANTILEVER: dict[str, Any] = {
     "name": "cantilever",
@@ -61,6 +67,15 @@ REFUSED = [
         "half of the diameter",
     ),
     (change(rotor_nacelle={"mass_kg": 1.0}), "rotor_nacelle", "needs a tower"),
+    (change(interface={"joints": ["B", "B"], "reference_m": [0.0, 0.0, 5.0]}), "interface.joints", "twice"),
+    (
+        change(
+            marine_growth={"thickness_m": 0.1, "density_kg_m3": 1100.0, "z_bottom_m": -2.0, "z_top_m": -40.0}
+        ),
+        "marine_growth.z_bottom_m",
+        "must lie below",
+    ),
+    (change(tower={**TOWER, "thickness_mid_m": 0.001}), "tower.thickness_mid_m", "thick at"),
 ]
 
 
@@ -126,3 +141,19 @@ def test_degrees_of_freedom() -> None:
     assert (free == np.arange(mesh.n_dof)).all()
     assert mesh.node_name[mesh.tower_top] == "tower.17"
     assert np.isclose(mesh.node_position[mesh.tower_top, 2], 20.15 + 68.8)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "&a {name: *a}", "name: 2001-99-99", "name: !!int x", "name: !!timestamp foo", "name: !!bool x",
+        "[" * 3000, "name: " + "9" * 5000, "name: a\nname: b", "? [a, b]\n: c", "%", "\t: x",
+    ],
+    ids=lambda text: text[:20],
+)  # fmt: skip
+def test_hostile_yaml_is_one_clear_error(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "structure.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError) as caught:
+        load_structure(str(path))
+    assert "\n" not in str(caught.value)

@@ -21,20 +21,13 @@ from owt_postproc.mcap_file import ChunkWriter
 from owt_postproc.message_schema import type_hash as hash_of
 from owt_postproc.partial_folder import PartialFolder, partial_path, sync
 
-__all__ = ["METADATA", "BagWriter", "partial_path", "recover"]
+__all__ = ["METADATA", "BagWriter", "partial_path"]
 
 METADATA = "metadata.yaml"
 #: Version of metadata.yaml that rosbag2 of Jazzy and Kilted writes.
 METADATA_VERSION = 9
 CHUNK_SIZE = 1 << 20
 _FOREVER = {"sec": 9223372036, "nsec": 854775807}
-
-
-def recover(bag: str | Path, new: str | Path) -> int:
-    """Restore every complete chunk of `bag`, see :func:`owt_postproc.bag_recovery.recover`."""
-    from owt_postproc.bag_recovery import recover as function
-
-    return function(bag, new)
 
 
 class BagWriter:

@@ -6,6 +6,7 @@ Messages of this project are told by their type, so that a graph in a namespace 
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,6 +24,8 @@ from owt_ros import decode
 __all__ = ["BagArrays", "BagFiles", "BagMessage", "read_bag", "read_files", "read_messages", "to_block"]
 
 PREFIX = "owt_msgs/msg/"
+#: What reading a damaged file can raise.
+DAMAGE = (McapError, OSError, EOFError, ValueError, struct.error)
 
 
 @dataclass(frozen=True)
@@ -100,7 +103,7 @@ def read_messages(bag: str | Path, *, types: Collection[str] | None = None) -> I
             for connection, log_time, raw in reader.messages(connections=wanted):
                 content = store.deserialize_cdr(raw, connection.msgtype)
                 yield BagMessage(connection.topic, connection.msgtype, log_time, content)
-    except (ReaderError, McapError, OSError) as error:
+    except (ReaderError, *DAMAGE) as error:
         raise _unreadable(bag, error) from None
 
 
@@ -119,7 +122,7 @@ def read_files(bag: str | Path) -> BagFiles:
                 reader = make_reader(stream)
                 files.attachments.update({item.name: item.data for item in reader.iter_attachments()})
                 files.metadata.update({item.name: dict(item.metadata) for item in reader.iter_metadata()})
-    except (McapError, OSError) as error:
+    except DAMAGE as error:
         raise _unreadable(bag, error) from None
     return files
 

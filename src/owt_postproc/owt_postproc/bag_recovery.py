@@ -86,7 +86,7 @@ def recover_report(bag: str | Path, new: str | Path) -> Recovery:
     with BagWriter(new, expected_bytes=size) as writer:
         for file in files:
             messages += _restore(file, writer, damaged)
-        if not writer.topics:
+        if not writer.topics or (damaged and messages == 0):
             raise InputError(
                 "bag", str(bag), "holds nothing that can be read", "It may not be an MCAP recording."
             )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from owt_model.config import parse_case
-from owt_model.contracts import SEA_FACTS, ReducedDescription, StressBlock
+from owt_model.contracts import ReducedDescription, StressBlock, sea_facts
 from owt_model.errors import InputError
 from owt_postproc.bag_reader import PREFIX, BagMessage, read_files, read_messages, to_block
 from owt_postproc.core.stage import (
@@ -72,7 +72,7 @@ def bag_report(bag: str | Path, *, versions: Mapping[str, str] | None = None) ->
         if kind == "ModelDescription":
             geometry = _geometry(message.content)
         elif kind == "SeaState":
-            sea = {name: _plain(getattr(message.content, name)) for name in SEA_FACTS}
+            sea = {name: _plain(value) for name, value in sea_facts(message.content).items()}
         elif kind == "ReducedModel":
             reduced = to_reduced_model(message.content)
             collector = ReportCollector(reduced.tower_top_coordinate)

@@ -185,6 +185,10 @@ class ReportCollector:
         axial, bending_y, bending_z, von_mises = (
             np.concatenate([parts[i][:, end] for parts in blocks]) for i in range(4)
         )
+        # A recording that broke off holds streams of unequal length: what all of them have is shown.
+        waves = slice(min(len(total), len(force)))
+        response = slice(min(len(axial), len(potential), len(axial if top is None else top)))
+        normal = axial + bending_y * np.sin(angle) + bending_z * np.cos(angle)
         return ReportData(
             case=case,
             sea_state=sea_state or {},
@@ -192,18 +196,18 @@ class ReportCollector:
             reduced=reduced,
             fatigue=fatigue,
             geometry=geometry,
-            wave_time=np.arange(len(total)) * self._dt["elevation"],
-            elevation_first=first,
-            elevation_total=total,
-            wave_force=force,
-            time=np.arange(len(axial)) * self._dt["stress"],
-            tower_top=top,
+            wave_time=np.arange(waves.stop) * self._dt["elevation"],
+            elevation_first=first[waves],
+            elevation_total=total[waves],
+            wave_force=force[waves],
+            time=np.arange(response.stop) * self._dt["stress"],
+            tower_top=None if top is None else top[response],
             stress_end=end,
             stress_point=point,
-            stress_normal=fatigue.scf * (axial + bending_y * np.sin(angle) + bending_z * np.cos(angle)),
-            stress_von_mises=von_mises,
-            potential=potential,
-            kinetic=kinetic,
+            stress_normal=fatigue.scf * normal[response],
+            stress_von_mises=von_mises[response],
+            potential=potential[response],
+            kinetic=kinetic[response],
             complete=self._complete,
         )
 

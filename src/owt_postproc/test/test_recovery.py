@@ -13,9 +13,8 @@ import pytest
 from mcap.reader import make_reader
 
 from owt_model.errors import InputError
-from owt_postproc.bag import recover
 from owt_postproc.bag_reader import read_files, read_messages
-from owt_postproc.bag_recovery import recover_report
+from owt_postproc.bag_recovery import recover, recover_report
 
 KILLED = """
 import sys, time

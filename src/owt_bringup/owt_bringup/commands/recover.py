@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 HELP = "restore every complete chunk of an unfinished bag into a new one; an intact bag is copied"
@@ -15,8 +16,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Recover the bag and print what was restored."""
-    from owt_postproc.bag import recover
+    """Recover the bag, warn of what was lost, and print what was restored."""
+    from owt_postproc.bag_recovery import recover_report
 
-    print(f"{recover(options.bag, options.output)} messages restored to {options.output}")
+    report = recover_report(options.bag, options.output)
+    for loss in report.damaged:
+        print(f"warning: {' '.join(loss.split())}", file=sys.stderr)
+    print(f"{report.messages} messages restored to {options.output}")
     return 0

@@ -224,7 +224,7 @@ def _facts_of(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]]:
     }  # fmt: skip
     structure: Mapping[str, Any] = data.case.get("structure", {})
     return [
-        ("Sea state", [(labels.get(key, key), value) for key, value in data.sea_state.items()]),
+        ("Sea state", [(labels.get(key, key), v) for key, v in data.sea_state.items() if v is not None]),
         (
             "Structure",
             [

@@ -14,16 +14,21 @@ from typing import Any
 
 import pytest
 import yaml
+from lifecycle_msgs.msg import Transition
+from owt_msgs.msg import NodeStatus
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from local_graph import assert_messages_equal, expected_messages, short_case
 from owt_bringup.domain import own_domain
 from owt_bringup.graph import Timeouts, run_graph
+from owt_bringup.nodes import NODES
 from owt_bringup.process import Child, find_executable, stop_all
+from owt_bringup.supervisor import Supervisor
 from owt_bringup.transport import shared_memory_profile
 from owt_campaign.pipeline import prepare_case, stream_case
 from owt_model.errors import InputError, OwtError
+from owt_ros.parameters import parameter_yaml
 from owt_ros.topics import POSTPROC, RECORDED, STRUCTURE, WAVE
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
@@ -151,52 +156,88 @@ def test_a_killed_node_ends_the_run_within_ten_seconds(tmp_path: Path, victim: s
     assert [p.name for p in tmp_path.iterdir()] == [partial_of(bag).name]
 
 
-def test_the_survivors_notice_by_themselves(tmp_path: Path, domain: int) -> None:
-    """Without the bring-up: the peers of a killed node report an error within seconds."""
-    from owt_msgs.msg import NodeStatus
+@contextmanager
+def started_graph(
+    folder: Path, domain: int, case: Any
+) -> Iterator[tuple[Supervisor, dict[str, Child], dict[str, Child]]]:
+    """Start the processes of a graph without the bring-up's reaction to faults.
 
-    from owt_bringup.supervisor import Supervisor
-    from owt_ros.parameters import parameter_yaml
-
-    file = tmp_path / "parameters.yaml"
-    file.write_text(parameter_yaml(long_case(), {POSTPROC: {"bag": str(tmp_path / "bag")}}))
-    packages = {POSTPROC: "owt_postproc", STRUCTURE: "owt_structure_node", WAVE: "owt_wave_node"}
+    Yields the supervisor, the processes, and those of them that it watches.
+    """
+    file = folder / "parameters.yaml"
+    file.write_text(parameter_yaml(case, {POSTPROC: {"bag": str(folder / "bag")}}))
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
+    arguments = ["--ros-args", "--params-file", str(file)]
     children = {
-        name: Child(
-            name,
-            [str(find_executable(package, name)), "--ros-args", "--params-file", str(file)],
-            tmp_path / f"{name}.log",
+        spec.name: Child(
+            spec.name,
+            [str(find_executable(spec.package, spec.name)), *arguments],
+            folder / f"{spec.name}.log",
             environment,
         )
-        for name, package in packages.items()
+        for spec in NODES
     }
+    watched = dict(children)
     try:
-        watched = dict(children)
         with Supervisor(domain, watched, lambda: None) as graph:
             graph.await_services(60.0)
-            graph.change_states(list(children), 1, 60.0)
-            for name in children:
-                graph.change_states([name], 3, 60.0)
-            graph.spin_until(
-                lambda: POSTPROC in graph.status and graph.status[POSTPROC].time_s > 1.0, 60.0, "no start"
-            )
-            os.kill(children[STRUCTURE].pid, signal.SIGKILL)
-            children[STRUCTURE].wait(5.0)
-            watched.clear()  # only listen from now on
-            began = time.monotonic()
-
-            def failed(name: str) -> bool:
-                return graph.status[name].code == NodeStatus.ERROR
-
-            graph.spin_until(lambda: failed(WAVE) and failed(POSTPROC), 10.0, "nobody noticed")
-            assert time.monotonic() - began < 5.0
-            for name in (WAVE, POSTPROC):
-                assert "structure_node died or left before the end of" in graph.status[name].message
+            yield graph, children, watched
     finally:
         stop_all(children.values())
+
+
+def activate(graph: Supervisor, children: dict[str, Child]) -> None:
+    """Bring all nodes to work."""
+    graph.change_states(list(children), Transition.TRANSITION_CONFIGURE, 60.0)
+    for name in children:
+        graph.change_states([name], Transition.TRANSITION_ACTIVATE, 60.0)
+    graph.spin_until(lambda: graph.status[POSTPROC].time_s > 1.0, 60.0, "no start")
+
+
+def test_the_survivors_notice_by_themselves(tmp_path: Path, domain: int) -> None:
+    """Without the bring-up: the peers of a killed node report an error within seconds."""
+    with started_graph(tmp_path, domain, long_case()) as (graph, children, watched):
+        activate(graph, children)
+        os.kill(children[STRUCTURE].pid, signal.SIGKILL)
+        children[STRUCTURE].wait(5.0)
+        watched.clear()  # only listen from now on
+        began = time.monotonic()
+
+        def failed(name: str) -> bool:
+            return bool(graph.status[name].code == NodeStatus.ERROR)
+
+        graph.spin_until(lambda: failed(WAVE) and failed(POSTPROC), 10.0, "nobody noticed")
+        assert time.monotonic() - began < 5.0
+        for name in (WAVE, POSTPROC):
+            assert "structure_node died or left before the end of" in graph.status[name].message
     assert not (tmp_path / "bag").exists()
-    assert len(read_by_rosbags(partial_of(tmp_path / "bag"))["/owt/member_stress"]) > 0, "ended cleanly"
+    assert read_by_rosbags(partial_of(tmp_path / "bag"))["/owt/member_stress"], "ended cleanly"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("state", ["unconfigured", "configuring", "active"])
+def test_a_node_ends_cleanly_within_two_seconds(
+    tmp_path: Path, domain: int, number: signal.Signals, state: str
+) -> None:
+    case = long_case() if state == "active" else short_case(time={"n": 20_000}, wave={"order": 2})
+    with started_graph(tmp_path, domain, case) as (graph, children, watched):
+        if state == "active":
+            activate(graph, children)
+        if state == "configuring":
+            with pytest.raises(OwtError, match="wave_node not configured within 1 s"):
+                graph.change_states(list(children), Transition.TRANSITION_CONFIGURE, 1.0)
+        watched.clear()
+        for child in children.values():
+            child.signal(number)
+        began = time.monotonic()
+        for child in children.values():
+            assert child.wait(5.0), child.name
+        took = time.monotonic() - began
+        assert {name: child.exit_code for name, child in children.items()} == dict.fromkeys(children, 0)
+    assert took < 2.0
+    assert not (tmp_path / "bag").exists()
+    if state == "active":
+        assert read_by_rosbags(partial_of(tmp_path / "bag"))["/owt/energy"]
 
 
 def test_a_node_that_refuses_ends_the_run_with_its_reason(tmp_path: Path) -> None:

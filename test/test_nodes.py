@@ -290,6 +290,33 @@ def test_the_gap_is_marked_in_the_bag(
     assert any("gap of 1" in mark for mark in marks)
 
 
+def test_a_full_disk_is_an_error_and_leaves_no_bag(
+    domain: int, bag: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import errno
+    import os
+
+    from owt_postproc import bag as module
+
+    written, write = 0, os.write
+
+    def limited(fd: int, data: memoryview) -> int:
+        nonlocal written
+        if written > 3_000_000:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        written += len(data)
+        return write(fd, data)
+
+    with LocalGraph(domain, short_case(), bag) as graph:
+        graph.start()
+        monkeypatch.setattr(module.os, "write", limited)
+        message = graph.error_of(POSTPROC)
+        monkeypatch.undo()
+    assert "the disk is full" in message
+    assert str(bag.with_name(".bag.partial")) in message
+    assert not bag.exists()
+
+
 def test_nodes_that_are_missing_are_named(domain: int, bag: Path) -> None:
     with LocalGraph(domain, short_case(), bag, [WaveNode], {WAVE: {"wait_s": 0.5}}) as graph:
         graph.start()

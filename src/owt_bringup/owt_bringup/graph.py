@@ -40,7 +40,7 @@ class Timeouts:
     configure : float
         Until all nodes are configured; the wave node computes its record then.
     stall : float
-        Without any progress of simulated time.
+        Without any progress of simulated time; the wall time of one block comes on top.
     """
 
     start: float = 60.0
@@ -66,6 +66,12 @@ class GraphResult:
     statistics: dict[str, Any]
     seconds: dict[str, float]
     domain: int
+
+
+def _stall(case: CaseConfig, limits: Timeouts) -> float:
+    """Longest time in s without progress: at a slow rate, blocks are far apart."""
+    rate, block = case.stream.rate, case.stream.block * case.time.dt_s
+    return limits.stall + (block / rate if rate > 0.0 else 0.0)
 
 
 @contextmanager
@@ -135,6 +141,7 @@ def _work_folder(bag: Path) -> Iterator[Path]:
     try:
         bag.parent.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=f".{bag.name}.run.", dir=bag.parent))
+        folder.chmod(0o755)  # it becomes the bag's log folder
     except OSError as error:
         raise InputError(
             "bag", str(bag), f"cannot be written ({error.strerror})", "Choose a writable folder."
@@ -219,7 +226,7 @@ def run_graph(
                 shared |= {file for child in children.values() for file in shared_memory_of(child.pid)}
                 for name in children:
                     graph.change_states([name], Transition.TRANSITION_ACTIVATE, limits.start)
-                statistics = graph.watch(progress, case.time.duration_s, limits.stall)
+                statistics = graph.watch(progress, case.time.duration_s, _stall(case, limits))
             began["stop"] = time.monotonic()
             stop_all(children.values())
         except BaseException:

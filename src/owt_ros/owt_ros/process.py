@@ -1,9 +1,10 @@
 """A node as a process: signals, the loop, and a clean end.
 
 SIGINT and SIGTERM set a flag that the loop looks at; they interrupt nothing but a computation that was
-marked as interruptible, so that no message and no file is ever left half written. A process that does
-not end within :data:`GRACE_S` after a signal is ended by the kernel. A process started by the bring-up
-ends when its parent does, however that happens.
+marked as interruptible, so that no message and no file is ever left half written. One call of compiled
+code is never interrupted: the signal waits for its end. A process that does not end within
+:data:`GRACE_S` after that is ended by the kernel. A process started by the bring-up ends when its parent
+does, however that happens.
 """
 
 from __future__ import annotations

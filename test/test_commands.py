@@ -181,6 +181,20 @@ def test_recover_and_report_name_a_missing_bag(tmp_path: Path, capsys: pytest.Ca
     assert not list(tmp_path.iterdir())
 
 
+def test_recover_warns_of_what_was_lost(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    recording = ROOT / "bags" / "golden" / "golden_0.mcap"
+    broken = tmp_path / "broken.mcap"
+    broken.write_bytes(recording.read_bytes()[:-2000])
+    assert main(["recover", str(broken), "-o", str(tmp_path / "new")]) == 0
+    out, err = capsys.readouterr()
+    assert "messages restored to" in out
+    assert "was not finished" in err
+    assert all(line.startswith("warning: ") for line in err.splitlines())
+    # Negative control: nothing is lost of an intact bag.
+    assert main(["recover", str(recording.parent), "-o", str(tmp_path / "copy")]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_the_runner_passes_errors_on(tmp_path: Path) -> None:
     """The same through ./owt, as a process of its own."""
     result = subprocess.run(

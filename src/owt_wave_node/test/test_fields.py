@@ -10,8 +10,8 @@ from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.field import GridField
 from owt_wave_node.core.grid import frequency_grid
 from owt_wave_node.core.kinematics import wave_kinematics
+from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import Waves, build_sea_state, waves
-from owt_wave_node.core.wheeler import make_field
 
 X, Z = np.array([0.0, 3.7, -8.0]), np.array([-1.0, -27.0, 1.5])
 DT, N = 0.1, 6000

@@ -13,8 +13,8 @@ from owt_wave_node.core.dispersion import wavenumber
 from owt_wave_node.core.hydro_mesh import build_hydro_mesh
 from owt_wave_node.core.kinematics import wave_kinematics
 from owt_wave_node.core.loads import Loads, jacket_loads
+from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import build_sea_state, waves
-from owt_wave_node.core.wheeler import make_field
 
 RHO, G, DIAMETER = 1025.0, 9.81, 1.5
 AREA = math.pi * DIAMETER**2 / 4.0

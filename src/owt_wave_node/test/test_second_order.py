@@ -9,9 +9,9 @@ import pytest
 
 from owt_wave_node.core.dispersion import wavenumber
 from owt_wave_node.core.kinematics import wave_kinematics
+from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import build_sea_state, waves
 from owt_wave_node.core.transfer import set_down, transfer
-from owt_wave_node.core.wheeler import make_field
 
 G = 9.81
 QUANTITIES = [("velocity", 0), ("velocity", 2), ("acceleration", 0), ("acceleration", 2)]

@@ -67,11 +67,6 @@ class Assembly:
         wet = ("marine_growth", "flood_water", "added_mass")
         return sum(mass for kind, mass in self.mass_kg.items() if kind not in wet)
 
-    def dof_label(self, dof: int) -> str:
-        """Return ``node.direction`` of a free degree of freedom."""
-        node, direction = (int(i[0]) for i in np.nonzero(self.mesh.node_dof == dof))
-        return f"{self.mesh.node_name[node]}.{DOF_NAME[direction]}"
-
 
 def element_transformation(mesh: Mesh) -> Float[np.ndarray, "element 12 12"]:
     """Matrices that take the 12 end displacements of each element from global to element axes."""
@@ -85,7 +80,7 @@ def element_transformation(mesh: Mesh) -> Float[np.ndarray, "element 12 12"]:
 
 def element_stiffness(mesh: Mesh) -> Float[np.ndarray, "element 12 12"]:
     """Stiffness matrices in element axes; the tower is Euler-Bernoulli always."""
-    length = _length(mesh)
+    length = mesh.element_length
     section = (mesh.element_diameter, mesh.element_thickness)
     modulus = (mesh.element_youngs_modulus, mesh.element_shear_modulus)
     shear = np.zeros(mesh.n_elements)
@@ -136,16 +131,11 @@ def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0) -> Assembly:
     )
 
 
-def _length(mesh: Mesh) -> Float[np.ndarray, " element"]:
-    ends = mesh.node_position[mesh.element_node]
-    return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
-
-
 def _masses(
     mesh: Mesh,
 ) -> tuple[Float[np.ndarray, "element 12 12"], Float[np.ndarray, " node"], dict[str, float]]:
     """Element masses in element axes, point masses at nodes in kg, and totals by kind."""
-    structure, length, tower = mesh.structure, _length(mesh), mesh.is_tower
+    structure, length, tower = mesh.structure, mesh.element_length, mesh.is_tower
     wall = (length, mesh.element_diameter, mesh.element_thickness, mesh.element_density)
     steel = tube_mass(*wall, rotary_inertia=False)
     if structure.rotary_inertia:

@@ -64,7 +64,7 @@ def distributed_mass(mesh: Mesh) -> ExtraMass:
     """Growth, flood water and added mass along the members."""
     structure = mesh.structure
     z = mesh.node_position[mesh.element_node, 2]
-    length = _lengths(mesh.node_position[mesh.element_node])
+    length = mesh.element_length
     member = ~mesh.is_tower
     diameter, thickness = mesh.element_diameter, mesh.element_thickness
     matrices = np.zeros((mesh.n_elements, 12, 12))
@@ -105,7 +105,7 @@ def joint_mass(mesh: Mesh) -> ExtraMass:
     """Growth, flood water and added mass as isotropic point masses at the members' joints."""
     structure = mesh.structure
     ends = mesh.node_position[mesh.member_node]
-    z, length = ends[:, :, 2].mean(axis=1), _lengths(ends)
+    z, length = ends[:, :, 2].mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     first = mesh.member_element[:, 0]
     diameter, thickness = mesh.element_diameter[first], mesh.element_thickness[first]
     mass = {kind: np.zeros(mesh.n_members) for kind in ("marine_growth", "flood_water", "added_mass")}
@@ -128,10 +128,6 @@ def joint_mass(mesh: Mesh) -> ExtraMass:
             np.add.at(node, mesh.member_node[:, side], 0.5 * of_member)
     total = {kind: float(of_member.sum()) for kind, of_member in mass.items()}
     return ExtraMass(np.zeros((mesh.n_elements, 12, 12)), node, total)
-
-
-def _lengths(ends: Float[np.ndarray, "n 2 3"]) -> Float[np.ndarray, " n"]:
-    return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
 
 
 def _covered(

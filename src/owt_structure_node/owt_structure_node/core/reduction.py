@@ -3,7 +3,7 @@
 The boundary is the transition-piece node; the tower stays unreduced (thesis 3.5 to 3.7). With internal
 degrees of freedom i and boundary b::
 
-    u_i = Psi u_b + Phi eta + Phi_MTA zeta          [eq. 3.54]
+    u_i = Psi u_b + Phi eta + Phi_MTA zeta          [eq. 3.54; the basis 3.55]
 
 ``CB00`` is Guyan's static reduction, ``CBnn`` keeps nn fixed-interface modes Phi, ``CBnnMmm`` adds mm
 modal truncation augmentation vectors, ``Mmm`` has those only, ``full`` is no reduction.

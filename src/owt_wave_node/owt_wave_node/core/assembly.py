@@ -17,8 +17,8 @@ from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError
 from owt_wave_node.core.field import Field, Prepared
 from owt_wave_node.core.hydro_mesh import HydroMesh
-from owt_wave_node.core.kinematics import Heading
 from owt_wave_node.core.parallel import map_threads
+from owt_wave_node.core.sea import Heading
 from owt_wave_node.kernels import morison as _kernel
 
 __all__ = ["LoadHistory", "assemble"]

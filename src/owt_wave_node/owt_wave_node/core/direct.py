@@ -29,7 +29,7 @@ class DirectField:
 
     def __init__(self, waves: Waves) -> None:
         self.waves = waves
-        k = waves.wavenumber
+        self.wavenumber = k = waves.wavenumber
         self._sum, self._difference = k[:, None] + k[None, :], np.abs(k[:, None] - k[None, :])
         if waves.order == 2:
             tables = pair_tables(waves)

@@ -9,6 +9,7 @@ du/dt and dw/dt (local accelerations).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -45,7 +46,15 @@ class Prepared(Protocol):
 
 @runtime_checkable
 class Field(Protocol):
-    """What every route offers."""
+    """What every route offers.
+
+    Attributes
+    ----------
+    wavenumber : float array [component]
+        rad/m, one per column of the profiles of :meth:`shaped`; a route may merge components.
+    """
+
+    wavenumber: Float[np.ndarray, " component"]
 
     def elevation(self, x: Points) -> tuple[Series, Series]:
         """First- and second-order elevation in m."""
@@ -77,10 +86,7 @@ class GridField:
         self.bins, self.wavenumber, self.omega, self.amplitude, self.dense = _pack(waves, grid)
         self._tables = None
         if waves.order == 2:
-            packed = Waves(
-                self.omega, self.wavenumber, self.amplitude, waves.depth, waves.gravity, 2,
-                waves.stretching, waves.dt, waves.n,
-            )  # fmt: skip
+            packed = replace(waves, omega=self.omega, wavenumber=self.wavenumber, amplitude=self.amplitude)
             self._tables = pair_tables(packed)
             self._set_down = set_down(packed)
             self._blocks = _blocks(self.wavenumber, waves.depth)

@@ -36,11 +36,6 @@ class FrequencyGrid:
     oversampling: int
     n: int
 
-    @property
-    def highest(self) -> int:
-        """Highest bin of the first order."""
-        return int(self.bins[-1])
-
     def to_time(self, half_spectra: Complex[np.ndarray, "*batch bin"]) -> Float[np.ndarray, "*batch time"]:
         """Transform half coefficients (those an inverse real transform wants) to the n samples."""
         series = np.fft.irfft(half_spectra, self.length, axis=-1, norm="forward")

@@ -143,7 +143,7 @@ def build_hydro_mesh(
         segment_diameter=np.concatenate(diameters) if diameters else np.zeros(0),
         weights=np.concatenate(weights) if weights else np.zeros((0, 2, 4)),
         element_axes=rotation(ends[:, 0], ends[:, 1]),
-        element_length=np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1),
+        element_length=mesh.element_length[element],
     )
 
 

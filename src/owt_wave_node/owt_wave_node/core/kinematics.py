@@ -11,30 +11,13 @@ from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, InputError
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.profile import check_extrapolation
-from owt_wave_node.core.sea import build_sea_state, waves
-from owt_wave_node.core.wheeler import make_field
+from owt_wave_node.core.route import make_field
+from owt_wave_node.core.sea import Heading, build_sea_state, waves
 
-__all__ = ["Heading", "Kinematics", "wave_kinematics"]
+__all__ = ["Kinematics", "wave_kinematics"]
 
 #: Points per block, so that work arrays stay small beside the result.
 BLOCK = 32
-
-
-@dataclass(frozen=True)
-class Heading:
-    """Direction b that the waves travel to, measured from +x towards +y."""
-
-    direction_deg: float
-
-    @property
-    def unit(self) -> Float[np.ndarray, " 2"]:
-        """(cos b, sin b)."""
-        b = np.deg2rad(self.direction_deg)
-        return np.array([np.cos(b), np.sin(b)])
-
-    def along(self, points: Float[np.ndarray, "point _"]) -> Float[np.ndarray, " point"]:
-        """Distance x cos b + y sin b in m of points [x, y, ...] along the waves."""
-        return np.asarray(points[:, :2] @ self.unit)
 
 
 @dataclass(frozen=True)

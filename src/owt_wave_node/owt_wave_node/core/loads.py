@@ -14,10 +14,9 @@ from owt_model.mesh import Mesh
 from owt_wave_node.core.assembly import LoadHistory, assemble
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.hydro_mesh import build_hydro_mesh, interface_level
-from owt_wave_node.core.kinematics import Heading
 from owt_wave_node.core.profile import check_extrapolation
-from owt_wave_node.core.sea import build_sea_state, sea_field, waves
-from owt_wave_node.core.wheeler import make_field
+from owt_wave_node.core.route import make_field
+from owt_wave_node.core.sea import Heading, build_sea_state, sea_field, waves
 
 __all__ = ["LoadHistory", "Loads", "jacket_loads", "load_history", "surface_range"]
 

@@ -1,4 +1,4 @@
-"""The sea of a case: its components, and those of them that carry energy."""
+"""The sea of a case: its direction, its components, and those of them that carry energy."""
 
 from __future__ import annotations
 
@@ -14,10 +14,27 @@ from owt_model.errors import InputError
 from owt_wave_node.core import spectrum
 from owt_wave_node.core.dispersion import wavenumber
 
-__all__ = ["Waves", "build_sea_state", "sea_field", "waves"]
+__all__ = ["Heading", "Waves", "build_sea_state", "sea_field", "waves"]
 
 #: Amplitude over the largest one below which a component cannot change a sum in double precision.
 NEGLIGIBLE = 1e-20
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Direction b that the waves travel to, measured from +x towards +y."""
+
+    direction_deg: float
+
+    @property
+    def unit(self) -> Float[np.ndarray, " 2"]:
+        """(cos b, sin b)."""
+        b = np.deg2rad(self.direction_deg)
+        return np.array([np.cos(b), np.sin(b)])
+
+    def along(self, points: Float[np.ndarray, "point _"]) -> Float[np.ndarray, " point"]:
+        """Distance x cos b + y sin b in m of points [x, y, ...] along the waves."""
+        return np.asarray(points[:, :2] @ self.unit)
 
 
 def sea_field(case: CaseConfig) -> str:

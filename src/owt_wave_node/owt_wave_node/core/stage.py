@@ -12,10 +12,9 @@ from owt_model.contracts import ElevationBlock, LoadBasis, LoadBlock, SeaState
 from owt_model.mesh import Mesh
 from owt_model.pod import load_basis
 from owt_wave_node.core.assembly import LoadHistory
-from owt_wave_node.core.kinematics import Heading
 from owt_wave_node.core.loads import load_history
-from owt_wave_node.core.sea import build_sea_state, waves
-from owt_wave_node.core.wheeler import make_field
+from owt_wave_node.core.route import make_field
+from owt_wave_node.core.sea import Heading, build_sea_state, waves
 
 __all__ = ["WaveStage", "build_wave_stage"]
 

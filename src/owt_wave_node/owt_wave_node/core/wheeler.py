@@ -1,4 +1,4 @@
-"""Wheeler stretching of the first order [eq. 2.17, 2.18], and the choice of route.
+"""Wheeler stretching of the first order [eq. 2.17, 2.18].
 
 The stretched level z' of a fixed point moves with the surface. The linear field is evaluated at the
 Chebyshev levels of the range that z' covers, as many as make the interpolation exact to round-off, and
@@ -8,28 +8,24 @@ interpolated in z' at every time.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from owt_model.errors import ComputationError
-from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.field import (
     Field,
-    GridField,
     Kinematics,
     Points,
     Prepared,
     Profile,
     Series,
 )
-from owt_wave_node.core.grid import frequency_grid
 from owt_wave_node.core.profile import first_order_profile
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.kernels import wheeler as _kernel
 
-__all__ = ["WheelerField", "make_field"]
+__all__ = ["WheelerField"]
 
 #: Bound on the error of the interpolation, relative to the largest value in the range of levels.
 TOLERANCE = 1e-13
@@ -67,8 +63,7 @@ class WheelerField:
     def __init__(self, waves: Waves, linear: Field) -> None:
         self.waves = waves
         self._linear = linear
-        # One per profile of the route: components that share a bin of the grid are merged there.
-        self._wavenumber = linear.wavenumber if isinstance(linear, GridField) else waves.wavenumber
+        self.wavenumber = linear.wavenumber
 
     def elevation(self, x: Points) -> tuple[Series, Series]:
         """First-order elevation in m and zeros."""
@@ -91,10 +86,10 @@ class WheelerField:
         wet = np.minimum(level, 0.0)
         low, high = float(wet.min()), float(wet.max())
         middle, half = 0.5 * (high + low), max(0.5 * (high - low), 1e-12)
-        count = _level_count(float(self._wavenumber.max()) * half)
+        count = _level_count(float(self.wavenumber.max()) * half)
         node = np.cos(np.pi * (np.arange(count) + 0.5) / count)
         profile = first_order_profile(
-            self._wavenumber,
+            self.wavenumber,
             np.minimum(middle + half * node, 0.0),
             water_depth=self.waves.depth,
             stretching="constant",
@@ -106,7 +101,7 @@ class WheelerField:
         _kernel.series(coefficient, (wet - middle) / half, out)
         above = np.maximum(level, 0.0)
         if above.any():
-            k = self._wavenumber[None, :]
+            k = self.wavenumber[None, :]
             out += above * self._linear.shaped(x, k * np.tanh(k * self.waves.depth), k.copy())[0]
 
     def second(self, x: Points, z: Points) -> Kinematics:
@@ -128,11 +123,3 @@ class _WheelerPrepared:
 
     def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some 4 time"]:
         return self._field.first(self._x[index], self._z[index])
-
-
-def make_field(waves: Waves) -> Field:
-    """Choose the route: Fourier transforms where the components lie on a grid, direct sums elsewhere."""
-    if waves.stretching == "wheeler":
-        return WheelerField(waves, make_field(replace(waves, stretching="constant")))
-    grid = frequency_grid(waves.omega, dt=waves.dt, n=waves.n, order=waves.order)
-    return DirectField(waves) if grid is None else GridField(waves, grid)

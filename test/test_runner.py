@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -129,3 +130,19 @@ def test_run_hands_arguments_over(workspace: Path, tmp_path: Path) -> None:
         assert result.returncode != 0
         assert result.stderr.startswith("error: ")
         assert result.stderr.count("\n") == 1
+
+
+def test_a_space_in_the_path_reaches_no_first_line(workspace: Path, tmp_path: Path) -> None:
+    """Colcon writes the environment's Python after ``#!``, where Linux takes no space."""
+    python, executable = workspace / ".venv/bin/python", workspace / "install/lib/owt_some/say"
+    python.unlink()
+    python.symlink_to(sys.executable)
+    executable.parent.mkdir(parents=True)
+    executable.write_text(f"#!{python}\nimport sys\nprint(sys.argv[1:])\n")
+    executable.chmod(0o755)
+    with pytest.raises(OSError, match="No such file"):  # negative control
+        subprocess.run([executable])
+    for _ in range(2):
+        owt(workspace, "run", "no_such_package", "say", cwd=tmp_path)
+        result = subprocess.run([executable, "--flag", "a b"], capture_output=True, text=True)
+        assert (result.returncode, result.stdout) == (0, "['--flag', 'a b']\n")

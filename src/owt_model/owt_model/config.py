@@ -16,15 +16,29 @@ from pydantic import Field, ValidationError, model_validator
 
 from owt_model.errors import InputError
 from owt_model.reduction_name import parse_reduction
+from owt_model.sea_config import (
+    Components,
+    Coordinate,
+    Current,
+    Measured,
+    RegularWave,
+    SeaStateConfig,
+    SpectrumFile,
+)
 from owt_model.validation import Frozen, input_error
 
 __all__ = [
+    "SEA_SOURCES",
     "CaseConfig",
     "Components",
+    "Current",
     "Damping",
     "Fatigue",
+    "Measured",
     "Morison",
+    "RegularWave",
     "SeaStateConfig",
+    "SpectrumFile",
     "Stream",
     "StructureConfig",
     "Time",
@@ -38,59 +52,8 @@ MAX_STEEPNESS = 1.0 / 7.0
 #: Hs over water depth above which a sea state cannot exist (depth-limited breaking).
 MAX_HEIGHT_OVER_DEPTH = 0.6
 
-Direction = Annotated[float, Field(ge=-360.0, le=360.0)]
-#: Beyond a thousand km a phase k x has lost its last digits.
-Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
-
-
-class SeaStateConfig(Frozen):
-    """A stationary irregular sea state (thesis 2.7 and 4.4)."""
-
-    hs_m: float = Field(6.0, gt=0.0, le=30.0, description="significant wave height in m")
-    tp_s: float = Field(9.45, gt=0.0, le=60.0, description="peak period in s")
-    gamma: float | None = Field(
-        None, ge=1.0, le=10.0, description="JONSWAP peak enhancement; null for the rule of eq. 4.80"
-    )
-    direction_deg: Direction = Field(
-        210.0, description="direction the waves travel to, measured from +x towards +y, in degrees"
-    )
-    seed: int = Field(1, ge=0, le=2**63 - 1, description="seed of the random phases")
-    cutoff_over_peak: float = Field(
-        4.0, gt=1.0, le=20.0, description="highest component over the peak frequency"
-    )
-
-
-class Components(Frozen):
-    """Explicit first-order components: eta1 = sum a cos(omega t - k (x cos b + y sin b) - phase)."""
-
-    omega_rad_s: tuple[Annotated[float, Field(ge=1e-4, le=100.0)], ...] = Field(
-        min_length=1, description="angular frequencies in rad/s"
-    )
-    amplitude_m: tuple[Annotated[float, Field(ge=0.0, le=50.0)], ...] = Field(
-        min_length=1, description="amplitudes in m"
-    )
-    phase_rad: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = Field(
-        min_length=1, description="phases in rad"
-    )
-    direction_deg: Direction | tuple[Direction, ...] = Field(
-        0.0, description="direction the waves travel to, one or one per component, in degrees"
-    )
-
-    @model_validator(mode="after")
-    def _same_length(self) -> Components:
-        n = len(self.omega_rad_s)
-        lengths = {"amplitude_m": len(self.amplitude_m), "phase_rad": len(self.phase_rad)}
-        if isinstance(self.direction_deg, tuple):
-            lengths["direction_deg"] = len(self.direction_deg)
-        for name, length in lengths.items():
-            if length != n:
-                raise InputError(
-                    f"components.{name}",
-                    length,
-                    f"must have as many entries as omega_rad_s ({n})",
-                    "Give one value per component.",
-                )
-        return self
+#: Ways to give the sea of a case; exactly one is set.
+SEA_SOURCES = ("sea_state", "components", "spectrum_file", "measured", "regular")
 
 
 class Wave(Frozen):
@@ -99,6 +62,12 @@ class Wave(Frozen):
     order: Literal[1, 2] = Field(2, description="perturbation order")
     stretching: Literal["taylor", "wheeler", "constant", "none"] = Field(
         "taylor", description="kinematics above still water"
+    )
+    route: Literal["auto", "exact", "compressed", "direct"] = Field(
+        "auto", description="how pairs are summed: exact (single summation), compressed, or direct sums"
+    )
+    window: int | None = Field(
+        None, ge=64, le=10_000_000, description="samples of loads held at a time; null chooses"
     )
 
     @model_validator(mode="after")
@@ -125,16 +94,53 @@ class Time(Frozen):
         return self.n * self.dt_s
 
 
+#: A coefficient, or a table of levels z in m and values, linear between them and constant beyond.
+Coefficient = (
+    Annotated[float, Field(ge=0.0, le=10.0)]
+    | tuple[tuple[Coordinate, Annotated[float, Field(ge=0.0, le=10.0)]], ...]
+)
+
+
 class Morison(Frozen):
     """Morison loads (thesis 4.2.3)."""
 
-    cd: float = Field(1.0, ge=0.0, le=10.0, description="drag coefficient")
-    cm: float = Field(2.0, ge=0.0, le=10.0, description="inertia coefficient")
+    cd: Coefficient = Field(1.0, description="drag coefficient, or a table of [z, Cd]")
+    cm: Coefficient = Field(2.0, description="inertia coefficient, or a table of [z, Cm]")
     marine_growth: bool = Field(False, description="loads on the diameter with marine growth")
-    distribution: Literal["linear"] = Field(
+    distribution: Literal["constant", "linear", "quadratic"] = Field(
         "linear", description="sectional force between hydrodynamic nodes"
     )
     discretisation_m: float = Field(1.0, ge=0.01, le=50.0, description="longest hydrodynamic element in m")
+    surface: Literal["moving", "midpoint"] = Field(
+        "moving", description="last wet node moves with the surface, or elements load by their midpoint"
+    )
+    points: Literal["stations", "gauss"] = Field(
+        "stations", description="kinematics at every station, or at few Gauss points of submerged elements"
+    )
+    axial_cd: float = Field(0.0, ge=0.0, le=10.0, description="drag coefficient along the member, on D/2")
+    axial_ca: float = Field(0.0, ge=0.0, le=10.0, description="added mass coefficient along the member")
+    end_cd: float = Field(0.0, ge=0.0, le=10.0, description="drag coefficient of a member's end disc")
+    end_ca: float = Field(0.0, ge=0.0, le=10.0, description="added mass coefficient of a member's end")
+    buoyancy: bool = Field(False, description="hydrostatic load on the members, as a load of its own")
+    diffraction: Literal["none", "maccamy-fuchs"] = Field(
+        "none", description="inertia force corrected for the diffraction of short waves"
+    )
+    hydrodynamic_damping: bool = Field(
+        False, description="drag on the relative velocity, linearised as damping of the structure"
+    )
+
+    @model_validator(mode="after")
+    def _tables_are_functions(self) -> Morison:
+        for name, value in (("cd", self.cd), ("cm", self.cm)):
+            levels = [z for z, _ in value] if isinstance(value, tuple) else [0.0]
+            if not levels or len(set(levels)) != len(levels):
+                raise InputError(
+                    f"morison.{name}",
+                    levels,
+                    "needs one or more levels, each once",
+                    "List [z, value] by level.",
+                )
+        return self
 
 
 class Damping(Frozen):
@@ -185,6 +191,10 @@ class CaseConfig(Frozen):
     density_kg_m3: float = Field(1025.0, gt=0.0, le=3000.0, description="water density in kg/m3")
     sea_state: SeaStateConfig | None = Field(default_factory=SeaStateConfig)
     components: Components | None = None
+    spectrum_file: SpectrumFile | None = None
+    measured: Measured | None = None
+    regular: RegularWave | None = None
+    current: Current | None = None
     wave: Wave = Field(default_factory=Wave)
     time: Time = Field(default_factory=Time)
     points_m: tuple[tuple[Coordinate, Coordinate, Coordinate], ...] | None = Field(
@@ -201,12 +211,13 @@ class CaseConfig(Frozen):
 
     @model_validator(mode="after")
     def _possible(self) -> CaseConfig:
-        if self.sea_state is None and self.components is None:
+        given = [name for name in SEA_SOURCES if getattr(self, name) is not None]
+        if len(given) != 1:
             raise InputError(
-                "sea_state",
-                None,
-                "and components must not both be null",
-                "Give a sea_state or a list of components.",
+                given[1] if given else "sea_state",
+                "given" if given else None,
+                f"the sea must be given once, by one of {', '.join(SEA_SOURCES)}",
+                "Set all of them but one to null.",
             )
         if self.sea_state is not None:
             self._check_sea_state(self.sea_state)
@@ -278,10 +289,11 @@ def parse_case(data: Any, *, source: str = "case") -> CaseConfig:
     """
     if not isinstance(data, dict):
         raise InputError(source, data, "must be a JSON object", "See docs/case.schema.json for its fields.")
-    if data.get("components") is not None:
+    others = [name for name in SEA_SOURCES[1:] if data.get(name) is not None]
+    if others:
         if data.get("sea_state") is not None:
             raise InputError(
-                "components", "and sea_state", "must not both be given", "Set one of the two to null."
+                others[0], "and sea_state", "must not both be given", "Set one of the two to null."
             )
         data = {**data, "sea_state": None}
     try:

@@ -34,7 +34,8 @@ __all__ = [
 class SeaState:
     """First-order components of a sea and the water they travel on.
 
-    eta1 = sum a cos(omega t - k (x cos b + y sin b) - phase), b the direction the waves travel to.
+    eta1 = sum a cos(omega t - k (x cos b + y sin b) - phase), b the direction each component travels to;
+    ``direction_deg`` is the heading of them all, and ``source`` the key of the case that gave the sea.
     ``hs_m``, ``tp_s`` and ``gamma`` are zero for a sea given by its components.
     """
 
@@ -42,6 +43,7 @@ class SeaState:
     amplitude_m: Float[np.ndarray, " component"]
     phase_rad: Float[np.ndarray, " component"]
     wavenumber_rad_m: Float[np.ndarray, " component"]
+    component_direction_deg: Float[np.ndarray, " component"]
     direction_deg: float
     water_depth_m: float
     gravity_m_s2: float
@@ -55,6 +57,7 @@ class SeaState:
     gamma: float = 0.0
     seed: int = 0
     cutoff_rad_s: float = 0.0
+    source: str = "sea_state"
 
     @property
     def duration_s(self) -> float:

@@ -22,7 +22,7 @@ REFUSED = [
     ),
     ({"sea_state": {"hs_m": 9.0, "tp_s": 5.0}}, "sea_state.tp_s", "1/7"),
     ({"sea_state": {"typo": 1}}, "sea_state.typo", "not a known key"),
-    ({"sea_state": None}, "sea_state", "must not both be null"),
+    ({"sea_state": None}, "sea_state", "must be given once"),
     ({"typo": 1}, "typo", "not a known key"),
     ({"water_depth_m": -5}, "water_depth_m", "greater than 0"),
     ({"time": {"n": 0}}, "time.n", "greater than"),

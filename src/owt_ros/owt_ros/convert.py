@@ -92,6 +92,8 @@ def sea_state_message(sea: SeaState) -> owt.SeaState:
         amplitude_m=doubles(sea.amplitude_m),
         phase_rad=doubles(sea.phase_rad),
         wavenumber_rad_m=doubles(sea.wavenumber_rad_m),
+        component_direction_deg=doubles(sea.component_direction_deg),
+        source=str(sea.source),
     )
 
 

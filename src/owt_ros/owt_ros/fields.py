@@ -11,13 +11,13 @@ import json
 import types
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from owt_model.config import CaseConfig, parse_case
+from owt_model.config import SEA_SOURCES, CaseConfig, parse_case
 from owt_model.errors import InputError
 from owt_model.validation import input_error
 
@@ -55,22 +55,28 @@ class Leaf:
 
 def _members(annotation: Any) -> tuple[Any, ...]:
     """Alternatives of a type, without null."""
-    if get_origin(annotation) in (Union, types.UnionType):
-        return tuple(entry for entry in get_args(annotation) if entry is not type(None))
-    return (annotation,)
+    if get_origin(annotation) not in (Union, types.UnionType):
+        return (annotation,)
+    entries = (entry for entry in get_args(annotation) if entry is not type(None))
+    return tuple(get_args(entry)[0] if get_origin(entry) is Annotated else entry for entry in entries)
+
+
+def _row_width(member: Any) -> int:
+    """Numbers per row where a type is a list of rows; 0 elsewhere."""
+    entry = get_args(member)[0] if get_origin(member) is tuple else None
+    return len(get_args(entry)) if get_origin(entry) is tuple else 0
 
 
 def _kind(members: tuple[Any, ...]) -> tuple[str, int, tuple[Any, ...]]:
     """Kind, row width and choices of a leaf's type."""
     if len(members) > 1:
-        return "any", 0, ()
+        return "any", max(_row_width(member) for member in members), ()
     (member,) = members
     if get_origin(member) is Literal:
         choices = get_args(member)
         return type(choices[0]).__name__, 0, choices
     if get_origin(member) is tuple:
-        entry = get_args(member)[0]
-        return "floats", len(get_args(entry)) if get_origin(entry) is tuple else 0, ()
+        return "floats", _row_width(member), ()
     return {bool: "bool", int: "int", float: "float", str: "str"}[member], 0, ()
 
 
@@ -184,7 +190,7 @@ def model_from_values(model: type[Model], values: Mapping[str, Any]) -> Model:
 
 
 def case_from_values(values: Mapping[str, Any]) -> CaseConfig:
-    """Build a case from parameter values; components, where set, replace the sea state.
+    """Build a case from parameter values; another source of the sea, where set, replaces the sea state.
 
     Raises
     ------
@@ -192,7 +198,7 @@ def case_from_values(values: Mapping[str, Any]) -> CaseConfig:
         Naming the parameter, its value, the limit and the remedy.
     """
     data = _nested(CaseConfig, values)
-    if data.get("components") is not None:
+    if any(data.get(name) is not None for name in SEA_SOURCES[1:]):
         data["sea_state"] = None
     return parse_case(data)
 

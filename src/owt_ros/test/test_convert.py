@@ -116,7 +116,7 @@ def test_model_and_sea_state() -> None:
     np.testing.assert_array_equal(np.array(model.node_dof).reshape(-1, 6), mesh.node_dof)
     owner = np.array(model.element_member, dtype=np.int64)
     np.testing.assert_array_equal(owner == NO_MEMBER, mesh.is_tower)
-    names = ("omega_rad_s", "amplitude_m", "phase_rad", "wavenumber_rad_m")
+    names = ("omega_rad_s", "amplitude_m", "phase_rad", "wavenumber_rad_m", "component_direction_deg")
     sea = SeaState(
         **{name: _r(9) for name in names}, direction_deg=210.0, water_depth_m=50.0, gravity_m_s2=9.81,
         density_kg_m3=1025.0, order=2, stretching="taylor", dt_s=0.1, n=6000, seed=2**63 - 1,

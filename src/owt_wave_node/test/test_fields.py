@@ -14,6 +14,7 @@ from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import Waves, build_sea_state, waves
 
 X, Z = np.array([0.0, 3.7, -8.0]), np.array([-1.0, -27.0, 1.5])
+PLACE = np.column_stack([X, np.zeros(3), Z])
 DT, N = 0.1, 6000
 
 
@@ -29,6 +30,12 @@ def field(sea: Waves) -> GridField:
     return made
 
 
+def at(x, z) -> np.ndarray:
+    """Places in wave axes from distances along the waves and levels."""
+    x, z = np.broadcast_arrays(x, z)
+    return np.column_stack([x, np.zeros(len(x)), z]).astype(float)
+
+
 def check_derivative(velocity: np.ndarray, acceleration: np.ndarray) -> None:
     """The accelerations are the time derivatives of the velocities (spectral, the record is periodic)."""
     n = velocity.shape[-1]
@@ -38,7 +45,7 @@ def check_derivative(velocity: np.ndarray, acceleration: np.ndarray) -> None:
 
 
 def test_accelerations_are_derivatives(field: GridField) -> None:
-    for motion in (field.first(X, Z), field.second(X, Z)):
+    for motion in (field.first(PLACE), field.second(PLACE)):
         check_derivative(motion[:, :2], motion[:, 2:])
         with pytest.raises(AssertionError):
             check_derivative(motion[:, :2], -motion[:, 2:])  # the wrong variant: sign of time
@@ -51,8 +58,8 @@ H = 1e-3
 
 def gradients(part, x: float, z: float):
     """Central differences (du/dx, dw/dz, du/dz, dw/dx) of a field at a point."""
-    at = part(np.array([x + H, x - H, x, x]), np.array([z, z, z + H, z - H]))
-    by_x, by_z = (at[0] - at[1]) / (2.0 * H), (at[2] - at[3]) / (2.0 * H)
+    got = part(at([x + H, x - H, x, x], [z, z, z + H, z - H]))
+    by_x, by_z = (got[0] - got[1]) / (2.0 * H), (got[2] - got[3]) / (2.0 * H)
     return by_x[0], by_z[1], by_z[0], by_x[1]
 
 
@@ -75,21 +82,21 @@ def test_potential_flow(field: GridField, z: float) -> None:
 def test_no_flow_through_the_bed(field: GridField) -> None:
     bed = np.array([-50.0])
     for part in (field.first, field.second):
-        motion = part(np.zeros(1), bed)
+        motion = part(at(np.zeros(1), bed))
         assert np.abs(motion[0, 1]).max() < 1e-12 * np.abs(motion[0, 0]).max()
 
 
 def test_taylor_above_still_water(field: GridField) -> None:
     """q(z) = q1(0) + z dq1/dz(0) + q2(0) for both velocities and both accelerations [eq. 2.19]."""
     x, z = np.array([4.0]), 2.5
-    zero = field.first(x, np.zeros(1))
-    below = [field.first(x, np.array([-h])) for h in (1e-3, 2e-3)]
+    zero = field.first(at(x, 0.0))
+    below = [field.first(at(x, -h)) for h in (1e-3, 2e-3)]
     slope = (3.0 * zero - 4.0 * below[0] + below[1]) / 2e-3
-    got = field.first(x, np.array([z]))
+    got = field.first(at(x, z))
     assert np.abs(got - (zero + z * slope)).max() < 1e-6 * np.abs(got).max()
-    assert np.array_equal(field.second(x, np.array([z])), field.second(x, np.zeros(1)))
+    assert np.array_equal(field.second(at(x, z)), field.second(at(x, 0.0)))
     with pytest.raises(AssertionError):  # the wrong variant: the second order is expanded too
-        assert np.array_equal(field.second(x, np.array([-z])), field.second(x, np.zeros(1)))
+        assert np.array_equal(field.second(at(x, -z)), field.second(at(x, 0.0)))
 
 
 def difference(a, b) -> float:
@@ -98,15 +105,15 @@ def difference(a, b) -> float:
 
 def test_double_sum_equals_single_summation(sea: Waves, field: GridField) -> None:
     double = DirectField(sea)
-    for one, other in zip(field.elevation(X), double.elevation(X), strict=True):
+    for one, other in zip(field.elevation(PLACE), double.elevation(PLACE), strict=True):
         assert difference(one, other) < 1e-10
     for part in ("first", "second"):
-        one, other = getattr(field, part)(X, Z), getattr(double, part)(X, Z)
+        one, other = getattr(field, part)(PLACE), getattr(double, part)(PLACE)
         for q in range(4):
             assert difference(one[:, q], other[:, q]) < 1e-10
     wrong = DirectField(sea)  # the wrong variant: the difference pairs (m, n) and (n, m) cancel, eq. 4.24
     wrong._velocity_minus = np.zeros_like(wrong._velocity_minus)
-    assert difference(field.second(X, Z), wrong.second(X, Z)) > 1e-10
+    assert difference(field.second(PLACE), wrong.second(PLACE)) > 1e-10
 
 
 def test_gaps_between_components_change_nothing(recorded, reference, listed) -> None:
@@ -118,13 +125,22 @@ def test_gaps_between_components_change_nothing(recorded, reference, listed) -> 
     assert isinstance(scattered, GridField)
     assert not scattered.dense
     filled = Waves(
-        d["omega"], d["k"].copy(), d["a"] * keep * np.exp(-1j * d["phi"]), 50.0, 9.81, 2, "taylor", DT, N
+        d["omega"],
+        d["k"].copy(),
+        0.0 * d["k"],
+        d["a"] * keep * np.exp(-1j * d["phi"]),
+        50.0,
+        9.81,
+        2,
+        "taylor",
+        DT,
+        N,
     )
     dense = make_field(filled)
     assert isinstance(dense, GridField)
     assert dense.dense
-    assert difference(dense.second(X, Z), scattered.second(X, Z)) < 1e-12
-    assert difference(dense.elevation(X)[1], scattered.elevation(X)[1]) < 1e-12
+    assert difference(dense.second(PLACE), scattered.second(PLACE)) < 1e-12
+    assert difference(dense.elevation(PLACE)[1], scattered.elevation(PLACE)[1]) < 1e-12
 
 
 def test_a_short_window_of_a_long_record(recorded) -> None:
@@ -227,9 +243,9 @@ def test_deep_water_does_not_overflow(listed) -> None:
     assert isinstance(field, GridField)
     assert len(field._blocks) > 10
     x, z = np.array([0.0, 5.0, 3.0]), np.array([-1.0, -60.0, -400.0])
-    second = field.second(x, z)
-    assert np.isfinite(field.second(x, z - 590.0)).all()
-    direct = DirectField(sea).second(x, z)
+    second = field.second(at(x, z))
+    assert np.isfinite(field.second(at(x, z - 590.0))).all()
+    direct = DirectField(sea).second(at(x, z))
     for p in range(3):
         assert difference(direct[p], second[p]) < 1e-9
 

@@ -340,6 +340,8 @@ def test_surface_range_finds_the_crest_between_gauges(listed) -> None:
     case = listed(2.0 * math.pi / 6.0, 1.0, 0.3, time={"dt_s": 0.1, "n": 60}, wave=wave)
     w = waves(build_sea_state(case))
     length = 2.0 * math.pi / float(w.wavenumber[0])
-    low, high = loads_module.surface_range(make_field(w), np.array([-10.0, 10.0]), length)
+    low, high = loads_module.surface_range(
+        make_field(w), np.array([[-10.0, 0.0, 0.0], [10.0, 0.0, 0.0]]), length
+    )
     assert 0.92 < high <= 1.0
     assert -1.0 <= low < -0.92

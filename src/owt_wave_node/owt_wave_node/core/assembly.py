@@ -14,11 +14,11 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from owt_model.config import CaseConfig
-from owt_model.errors import ComputationError
+from owt_model.errors import ComputationError, InputError
 from owt_wave_node.core.field import Field, Prepared
 from owt_wave_node.core.hydro_mesh import HydroMesh
 from owt_wave_node.core.parallel import map_threads
-from owt_wave_node.core.sea import Heading
+from owt_wave_node.core.sea import Frame
 from owt_wave_node.kernels import morison as _kernel
 
 __all__ = ["LoadHistory", "assemble"]
@@ -70,7 +70,7 @@ class _Batch:
 
 
 def assemble(
-    case: CaseConfig, hydro: HydroMesh, heading: Heading, field: Field, *, lowest: float, highest: float
+    case: CaseConfig, hydro: HydroMesh, frame: Frame, field: Field, *, lowest: float, highest: float
 ) -> LoadHistory:
     """Compute the loads on all members.
 
@@ -80,8 +80,8 @@ def assemble(
         Morison coefficients, density, time.
     hydro : HydroMesh
         Stations and segments.
-    heading : Heading
-        Direction of the waves.
+    frame : Frame
+        Wave axes.
     field : Field
         The waves.
     lowest, highest : float
@@ -92,7 +92,7 @@ def assemble(
     ComputationError
         If a load is not finite.
     """
-    assembly = _Assembly(case, hydro, heading, field, lowest, highest)
+    assembly = _Assembly(case, hydro, frame, field, lowest, highest)
     for members in assembly.batches():
         assembly.run(members)
     assembly.add_joints()
@@ -108,16 +108,19 @@ class _Assembly:
         self,
         case: CaseConfig,
         hydro: HydroMesh,
-        heading: Heading,
+        frame: Frame,
         field: Field,
         lowest: float,
         highest: float,
     ) -> None:
-        self.hydro, self.field, self.n = hydro, field, case.time.n
+        self.hydro, self.field, self.n = hydro, field, field.n
         self.lowest, self.highest = lowest, highest
-        rho, morison, diameter = case.density_kg_m3, case.morison, hydro.segment_diameter
-        self.inertia = 0.25 * np.pi * rho * morison.cm * diameter**2  # kg/m
-        self.drag = 0.5 * rho * morison.cd * diameter  # kg/m2
+        cd, cm = case.morison.cd, case.morison.cm
+        if isinstance(cd, tuple) or isinstance(cm, tuple):
+            raise InputError("morison.cd", "a table", "is not available yet", "Give one number.")
+        rho, diameter = case.density_kg_m3, hydro.segment_diameter
+        self.inertia = 0.25 * np.pi * rho * cm * diameter**2  # kg/m
+        self.drag = 0.5 * rho * cd * diameter  # kg/m2
         mesh = hydro.mesh
         self.node_row = np.full(mesh.n_nodes, -1, dtype=np.int64)
         self.node_row[hydro.node] = np.arange(hydro.node.size)
@@ -127,13 +130,15 @@ class _Assembly:
         self.nodal = np.zeros((hydro.node.size, 6, self.n))
         self.end_rows = np.zeros((self.fixed.size, 8, self.n))
         # Components of element y along the waves, and of element z along the waves and upwards.
-        unit, axes = heading.unit, hydro.element_axes
-        self.axes = np.column_stack([axes[:, 1, :2] @ unit, axes[:, 2, :2] @ unit, axes[:, 2, 2]])
+        unit, axes = frame.axes[0], hydro.element_axes
+        self.axes = np.column_stack([axes[:, 1] @ unit, axes[:, 2] @ unit, axes[:, 2, 2]])
         # Stations of the same x along the waves and the same z share their kinematics.
-        place = np.column_stack([heading.along(hydro.station), hydro.station[:, 2]])
+        place = frame.place(hydro.station)
+        if field.n_axes == 2:
+            place[:, 1] = 0.0
         key = np.round(place / SAME_POINT).astype(np.int64)
         _, first, self.point = np.unique(key, axis=0, return_index=True, return_inverse=True)
-        self.x, self.z = place[first, 0].copy(), place[first, 1].copy()
+        self.place = place[first]
 
     def batches(self) -> list[list[int]]:
         """Groups of members whose coefficients fit into memory together."""
@@ -163,14 +168,15 @@ class _Assembly:
         stations = [np.arange(segments.start + m, segments.stop + m + 1) for m, segments in active]
         used, where = np.unique(self.point[np.concatenate(stations)], return_inverse=True)
         points = np.split(where, np.cumsum([len(part) for part in stations])[:-1])
-        x, z = self.x[used], self.z[used]
+        place = self.place[used]
+        z = place[:, 2].copy()
         # A segment that the surface can cross needs the elevation at both its ends.
         splash = np.zeros(used.size, dtype=bool)
         for part in points:
             crossed = (z[part[1:]] > self.lowest) | (z[part[:-1]] > self.lowest)
             splash[part[1:][crossed]] = splash[part[:-1][crossed]] = True
-        eta = np.add(*self.field.elevation(x[splash])) if splash.any() else np.zeros((0, self.n))
-        batch = _Batch(z, self.field.prepare(x, z), eta, np.where(splash, np.cumsum(splash) - 1, -1))
+        eta = np.add(*self.field.elevation(place[splash])) if splash.any() else np.zeros((0, self.n))
+        batch = _Batch(z, self.field.prepare(place), eta, np.where(splash, np.cumsum(splash) - 1, -1))
         # Long members first keeps the threads busy to the end.
         tasks = sorted(
             zip([segments for _, segments in active], points, strict=True), key=lambda task: -len(task[0])

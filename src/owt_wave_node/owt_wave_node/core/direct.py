@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from owt_wave_node.core.field import Kinematics, Points, Prepared, Profile, Series
+from owt_wave_node.core.field import Kinematics, Place, Prepared, Profile, Series
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import pair_tables, set_down
@@ -29,6 +29,7 @@ class DirectField:
 
     def __init__(self, waves: Waves) -> None:
         self.waves = waves
+        self.n_axes, self.n = 2, waves.n
         self.wavenumber = k = waves.wavenumber
         self._sum, self._difference = k[:, None] + k[None, :], np.abs(k[:, None] - k[None, :])
         if waves.order == 2:
@@ -67,9 +68,9 @@ class DirectField:
             for i in range(0, waves.n, step)
         ]
 
-    def elevation(self, x: Points) -> tuple[Series, Series]:
+    def elevation(self, place: Place) -> tuple[Series, Series]:
         """First- and second-order elevation in m [eq. 4.6, 4.18]."""
-        waves = self.waves
+        waves, x = self.waves, place[:, 0]
         first, second = np.zeros((x.size, waves.n)), np.zeros((x.size, waves.n))
         here = waves.amplitude * np.exp(-1j * x[:, None] * waves.wavenumber)
         for rows, phasor in self._phasors():
@@ -83,17 +84,17 @@ class DirectField:
                     ).real + set_down(waves)
         return first, second
 
-    def first(self, x: Points, z: Points) -> Kinematics:
+    def first(self, place: Place) -> Kinematics:
         """First-order kinematics [eq. 4.8-4.11], stretched above still water."""
         waves = self.waves
         profile = first_order_profile(
-            waves.wavenumber, z, water_depth=waves.depth, stretching=waves.stretching
+            waves.wavenumber, place[:, 2].copy(), water_depth=waves.depth, stretching=waves.stretching
         )
-        return self.shaped(x, *profile)
+        return self.shaped(place, *profile)
 
-    def shaped(self, x: Points, horizontal: Profile, vertical: Profile) -> Kinematics:
+    def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
         """First-order kinematics with given vertical factors instead of those of a level."""
-        waves = self.waves
+        waves, x = self.waves, place[:, 0]
         speed = waves.gravity * waves.wavenumber / waves.omega * waves.amplitude
         here = speed * np.exp(-1j * x[:, None] * waves.wavenumber)
         u, w = here * horizontal, 1j * here * vertical
@@ -104,9 +105,9 @@ class DirectField:
             out[:, :, rows] = (coefficients @ phasor.T).real
         return out
 
-    def second(self, x: Points, z: Points) -> Kinematics:
+    def second(self, place: Place) -> Kinematics:
         """Second-order kinematics [eq. 4.20-4.23]; zero at order 1."""
-        waves = self.waves
+        waves, x, z = self.waves, place[:, 0], place[:, 2].copy()
         out = np.zeros((x.size, 4, waves.n))
         if waves.order == 1:
             return out
@@ -131,19 +132,19 @@ class DirectField:
                 out[p, 3, rows] = -2.0 * (w.imag @ waves.omega)
         return out
 
-    def prepare(self, x: Points, z: Points) -> Prepared:
+    def prepare(self, place: Place) -> Prepared:
         """Remember the points."""
-        return _DirectPrepared(self, x, z)
+        return _DirectPrepared(self, place)
 
 
 class _DirectPrepared:
-    def __init__(self, field: DirectField, x: Points, z: Points) -> None:
-        self._field, self._x, self._z = field, x, z
+    def __init__(self, field: DirectField, place: Place) -> None:
+        self._field, self._place = field, place
 
-    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some 4 time"]:
-        x, z = self._x[index], self._z[index]
-        total = self._field.first(x, z)
-        total += self._field.second(x, z)
+    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some channel time"]:
+        place = self._place[index]
+        total = self._field.first(place)
+        total += self._field.second(place)
         return total
 
 

@@ -1,10 +1,11 @@
 """Wave fields: elevation and kinematics of the components at any points, over the whole record.
 
-Three routes, one interface: :class:`GridField` for components on a frequency grid (single summation over
+Several routes, one interface: :class:`GridField` for components on a frequency grid (single summation over
 pairs and inverse FFT), :class:`~owt_wave_node.core.direct.DirectField` for any components (direct sum), and
 :class:`~owt_wave_node.core.wheeler.WheelerField` for Wheeler stretching. Coordinates are those of the
-waves: x along them, z up from still water; kinematics are [point, quantity, time], the quantities u, w,
-du/dt and dw/dt (local accelerations).
+waves (:class:`~owt_wave_node.core.sea.Frame`): x along them, y to the left, z up from still water.
+Kinematics are [point, channel, time]: the velocities, then the local accelerations, along x and z where
+`n_axes` is 2, and along x, y and z where it is 3.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ from owt_wave_node.kernels import spectra as _kernel
 
 __all__ = ["Field", "GridField", "Prepared"]
 
-Points = Float[np.ndarray, " point"]
+Place = Float[np.ndarray, "point 3"]
 Series = Float[np.ndarray, "point time"]
-Kinematics = Float[np.ndarray, "point 4 time"]
+Kinematics = Float[np.ndarray, "point channel time"]
 Profile = Float[np.ndarray, "point component"]
 
 #: Largest exponent in the scaled factors of the difference pairs; exp(700) would overflow.
@@ -39,40 +40,46 @@ CHUNK = 16
 class Prepared(Protocol):
     """Total kinematics of a set of points, transformed to time on demand."""
 
-    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some 4 time"]:
+    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some channel time"]:
         """Velocities in m/s and accelerations in m/s2 of the points `index`."""
         ...
 
 
 @runtime_checkable
 class Field(Protocol):
-    """What every route offers.
+    """What every route offers; places are [x, y, z] in m in wave axes.
 
     Attributes
     ----------
+    n_axes : int
+        2 where all velocities lie in the plane of x and z, else 3.
+    n : int
+        Number of samples.
     wavenumber : float array [component]
         rad/m, one per column of the profiles of :meth:`shaped`; a route may merge components.
     """
 
+    n_axes: int
+    n: int
     wavenumber: Float[np.ndarray, " component"]
 
-    def elevation(self, x: Points) -> tuple[Series, Series]:
+    def elevation(self, place: Place) -> tuple[Series, Series]:
         """First- and second-order elevation in m."""
         ...
 
-    def first(self, x: Points, z: Points) -> Kinematics:
+    def first(self, place: Place) -> Kinematics:
         """First-order kinematics, stretched above still water."""
         ...
 
-    def shaped(self, x: Points, horizontal: Profile, vertical: Profile) -> Kinematics:
+    def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
         """First-order kinematics with given vertical factors instead of those of a level."""
         ...
 
-    def second(self, x: Points, z: Points) -> Kinematics:
+    def second(self, place: Place) -> Kinematics:
         """Second-order kinematics; zero at order 1."""
         ...
 
-    def prepare(self, x: Points, z: Points) -> Prepared:
+    def prepare(self, place: Place) -> Prepared:
         """Do what is common to all times for the total kinematics at points."""
         ...
 
@@ -83,6 +90,7 @@ class GridField:
     def __init__(self, waves: Waves, grid: FrequencyGrid) -> None:
         self.waves = waves
         self.grid = grid
+        self.n_axes, self.n = 2, waves.n
         self.bins, self.wavenumber, self.omega, self.amplitude, self.dense = _pack(waves, grid)
         self._tables = None
         if waves.order == 2:
@@ -95,10 +103,11 @@ class GridField:
     def _n_bins(self) -> int:
         return self.waves.order * int(self.bins[-1]) + 1
 
-    def elevation(self, x: Points) -> tuple[Series, Series]:
+    def elevation(self, place: Place) -> tuple[Series, Series]:
         """First- and second-order elevation in m [eq. 4.30, 4.43]."""
+        x = place[:, 0].copy()
 
-        def part(x: Points) -> tuple[Series, Series]:
+        def part(x: Float[np.ndarray, " point"]) -> tuple[Series, Series]:
             first = np.zeros((x.size, self._n_bins), dtype=complex)
             second = np.zeros_like(first)
             first[:, self.bins] = self.amplitude * np.exp(-1j * self.wavenumber * x[:, None])
@@ -114,7 +123,11 @@ class GridField:
         return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts])
 
     def _first_spectra(
-        self, x: Points, horizontal: Profile, vertical: Profile, out: Complex[np.ndarray, "point 2 bin"]
+        self,
+        x: Float[np.ndarray, " point"],
+        horizontal: Profile,
+        vertical: Profile,
+        out: Complex[np.ndarray, "point 2 bin"],
     ) -> None:
         """Add the coefficients of u and w of the first order [eq. 4.32, 4.33]."""
         _kernel.first_order(
@@ -122,11 +135,9 @@ class GridField:
             self.waves.gravity, out,
         )  # fmt: skip
 
-    def _spectra(
-        self, x: Points, z: Points, *, first: bool, second: bool
-    ) -> Complex[np.ndarray, "point 2 bin"]:
+    def _spectra(self, place: Place, *, first: bool, second: bool) -> Complex[np.ndarray, "point 2 bin"]:
         """Coefficients of u and w [eq. 4.32, 4.33, 4.50, 4.51]."""
-        waves = self.waves
+        waves, x, z = self.waves, place[:, 0].copy(), place[:, 2].copy()
         out = np.zeros((x.size, 2, self._n_bins), dtype=complex)
 
         def part(rows: slice) -> None:
@@ -145,27 +156,27 @@ class GridField:
         map_threads(part, [slice(i, min(i + CHUNK, x.size)) for i in range(0, x.size, CHUNK)])
         return out
 
-    def first(self, x: Points, z: Points) -> Kinematics:
+    def first(self, place: Place) -> Kinematics:
         """First-order kinematics, stretched above still water."""
-        return self._in_time(self._spectra(x, z, first=True, second=False), np.arange(x.size))
+        return self._in_time(self._spectra(place, first=True, second=False), np.arange(len(place)))
 
-    def shaped(self, x: Points, horizontal: Profile, vertical: Profile) -> Kinematics:
+    def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
         """First-order kinematics with given vertical factors instead of those of a level."""
-        spectra = np.zeros((x.size, 2, self._n_bins), dtype=complex)
-        self._first_spectra(x, horizontal, vertical, spectra)
-        return self._in_time(spectra, np.arange(x.size))
+        spectra = np.zeros((len(place), 2, self._n_bins), dtype=complex)
+        self._first_spectra(place[:, 0].copy(), horizontal, vertical, spectra)
+        return self._in_time(spectra, np.arange(len(place)))
 
-    def second(self, x: Points, z: Points) -> Kinematics:
+    def second(self, place: Place) -> Kinematics:
         """Second-order kinematics; zero at order 1."""
-        return self._in_time(self._spectra(x, z, first=False, second=True), np.arange(x.size))
+        return self._in_time(self._spectra(place, first=False, second=True), np.arange(len(place)))
 
-    def prepare(self, x: Points, z: Points) -> Prepared:
+    def prepare(self, place: Place) -> Prepared:
         """Coefficients of the total velocities at points."""
-        return _GridPrepared(self, self._spectra(x, z, first=True, second=True))
+        return _GridPrepared(self, self._spectra(place, first=True, second=True))
 
     def _in_time(
         self, spectra: Complex[np.ndarray, "point 2 bin"], index: Int[np.ndarray, " some"]
-    ) -> Float[np.ndarray, "some 4 time"]:
+    ) -> Float[np.ndarray, "some channel time"]:
         # Only the bins in use are filled: the transform pads with zeros to its length.
         half = np.empty((index.size, 4, self._n_bins), dtype=complex)
         _kernel.expand(spectra, index, self.grid.spacing, half)
@@ -176,7 +187,7 @@ class _GridPrepared:
     def __init__(self, field: GridField, spectra: Complex[np.ndarray, "point 2 bin"]) -> None:
         self._field, self._spectra = field, spectra
 
-    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some 4 time"]:
+    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some channel time"]:
         return self._field._in_time(self._spectra, index)
 
 

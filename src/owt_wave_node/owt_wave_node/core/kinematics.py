@@ -12,7 +12,7 @@ from owt_model.errors import ComputationError, InputError
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
-from owt_wave_node.core.sea import Heading, build_sea_state, waves
+from owt_wave_node.core.sea import Frame, build_sea_state, waves
 
 __all__ = ["Kinematics", "wave_kinematics"]
 
@@ -59,17 +59,17 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
     if case.points_m is None:
         raise InputError("points_m", None, "is missing", "List points [x, y, z] in m, z up from still water.")
     sea = build_sea_state(case)
-    heading = Heading(sea.direction_deg)
-    points = np.array(case.points_m, dtype=float)
-    x, z = heading.along(points), points[:, 2].copy()
+    frame = Frame(sea.direction_deg)
+    place = frame.place(np.array(case.points_m, dtype=float))
+    z = place[:, 2].copy()
     check_extrapolation(sea.stretching, sea.wavenumber_rad_m, float(z.max()))
     field = make_field(waves(sea))
-    n, size = case.time.n, len(points)
+    n, size = case.time.n, len(place)
     eta = np.empty((2, n, size))
     motion = np.empty((4, n, size, 3))
     for i in range(0, size, BLOCK):
         rows = slice(i, min(i + BLOCK, size))
-        _fill(field, x[rows], z[rows], heading, eta[:, :, rows], motion[:, :, rows])
+        _fill(field, place[rows], frame, eta[:, :, rows], motion[:, :, rows])
     if not (np.isfinite(eta).all() and np.isfinite(motion).all()):
         raise ComputationError("wave kinematics are not finite")
     return Kinematics(
@@ -86,24 +86,24 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
 
 def _fill(
     field: Field,
-    x: Float[np.ndarray, " point"],
-    z: Float[np.ndarray, " point"],
-    heading: Heading,
+    place: Float[np.ndarray, "point 3"],
+    frame: Frame,
     eta: Float[np.ndarray, "2 time point"],
     motion: Float[np.ndarray, "4 time point 3"],
 ) -> None:
     """Fill the views of one block of points."""
-    for out, series in zip(eta, field.elevation(x), strict=True):
+    for out, series in zip(eta, field.elevation(place), strict=True):
         out[...] = series.T
-    second = field.second(x, z)
-    total = field.first(x, z) + second
-    cos_b, sin_b = heading.unit
-    for out, source, c in (
-        (motion[0], total, 0),
-        (motion[1], total, 2),
-        (motion[2], second, 0),
-        (motion[3], second, 2),
-    ):
-        out[:, :, 0] = source[:, c].T * cos_b
-        out[:, :, 1] = source[:, c].T * sin_b
-        out[:, :, 2] = source[:, c + 1].T
+    second = field.second(place)
+    total = field.first(place) + second
+    axes = frame.axes[[0, 2] if field.n_axes == 2 else slice(None)]
+    for out, source in zip(motion, (*_halves(total), *_halves(second)), strict=True):
+        out[...] = source.transpose(2, 0, 1) @ axes
+
+
+def _halves(
+    motion: Float[np.ndarray, "point channel time"],
+) -> tuple[Float[np.ndarray, "point axis time"], Float[np.ndarray, "point axis time"]]:
+    """Velocities and accelerations."""
+    n_axes = motion.shape[1] // 2
+    return motion[:, :n_axes], motion[:, n_axes:]

@@ -16,7 +16,7 @@ from owt_wave_node.core.field import Field
 from owt_wave_node.core.hydro_mesh import build_hydro_mesh, interface_level
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
-from owt_wave_node.core.sea import Heading, build_sea_state, sea_field, waves
+from owt_wave_node.core.sea import Frame, build_sea_state, sea_field, waves
 
 __all__ = ["LoadHistory", "Loads", "jacket_loads", "load_history", "surface_range"]
 
@@ -81,21 +81,24 @@ def jacket_loads(case: CaseConfig, mesh: Mesh) -> Loads:
     )
 
 
-def surface_range(field: Field, x: Float[np.ndarray, " point"], shortest: float) -> tuple[float, float]:
-    """Lowest and highest surface in m over the record and over the width that the places `x` span.
+def surface_range(field: Field, place: Float[np.ndarray, "point 3"], shortest: float) -> tuple[float, float]:
+    """Lowest and highest surface in m over the record and over the width that `place` spans along the waves.
 
     Parameters
     ----------
     field : Field
         The waves.
-    x : float array [point]
-        Places in m along the waves.
+    place : float array [point, 3]
+        Places in m in wave axes.
     shortest : float
         Length in m of the shortest wave.
     """
+    x = place[:, 0]
     width = float(np.ptp(x))
     count = int(min(MAX_GAUGES, np.ceil(width / shortest * GAUGES_PER_WAVE) + 1))
-    first, second = field.elevation(np.linspace(float(x.min()), float(x.max()), count))
+    gauges = np.zeros((count, 3))
+    gauges[:, 0] = np.linspace(float(x.min()), float(x.max()), count)
+    first, second = field.elevation(gauges)
     total = first + second
     return float(total.min()), float(total.max())
 
@@ -117,11 +120,11 @@ def load_history(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> L
         longest=case.morison.discretisation_m,
         marine_growth=case.morison.marine_growth,
     )
-    heading = Heading(sea.direction_deg)
+    frame = Frame(sea.direction_deg)
     highest_wavenumber = float(sea.wavenumber_rad_m[sea.amplitude_m > 0.0].max(initial=1e-3))
     jacket = np.setdiff1d(np.arange(mesh.n_nodes), mesh.tower_node)
     low, high = surface_range(
-        field, heading.along(mesh.node_position[jacket]), 2.0 * np.pi / (sea.order * highest_wavenumber)
+        field, frame.place(mesh.node_position[jacket]), 2.0 * np.pi / (sea.order * highest_wavenumber)
     )
     limit = interface_level(mesh)
     if high > limit:
@@ -134,4 +137,4 @@ def load_history(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> L
         )
     highest = min(SAFETY * max(high, 0.0) + MARGIN, limit)
     check_extrapolation(sea.stretching, sea.wavenumber_rad_m, highest + case.morison.discretisation_m)
-    return assemble(case, hydro, heading, field, lowest=SAFETY * min(low, 0.0) - MARGIN, highest=highest)
+    return assemble(case, hydro, frame, field, lowest=SAFETY * min(low, 0.0) - MARGIN, highest=highest)

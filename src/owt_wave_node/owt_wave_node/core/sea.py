@@ -14,27 +14,35 @@ from owt_model.errors import InputError
 from owt_wave_node.core import spectrum
 from owt_wave_node.core.dispersion import wavenumber
 
-__all__ = ["Heading", "Waves", "build_sea_state", "sea_field", "waves"]
+__all__ = ["Frame", "Waves", "build_sea_state", "sea_field", "waves"]
 
 #: Amplitude over the largest one below which a component cannot change a sum in double precision.
 NEGLIGIBLE = 1e-20
 
 
 @dataclass(frozen=True)
-class Heading:
-    """Direction b that the waves travel to, measured from +x towards +y."""
+class Frame:
+    """Wave axes: x along the heading b, measured from global +x towards +y, y to its left, z up.
+
+    Short-crested components travel at angles to the heading; see :attr:`Waves.angle`.
+    """
 
     direction_deg: float
 
-    @property
-    def unit(self) -> Float[np.ndarray, " 2"]:
-        """(cos b, sin b)."""
+    @cached_property
+    def axes(self) -> Float[np.ndarray, "3 3"]:
+        """Unit vectors of the wave axes, by row, in global axes."""
         b = np.deg2rad(self.direction_deg)
-        return np.array([np.cos(b), np.sin(b)])
+        return np.array([[np.cos(b), np.sin(b), 0.0], [-np.sin(b), np.cos(b), 0.0], [0.0, 0.0, 1.0]])
 
-    def along(self, points: Float[np.ndarray, "point _"]) -> Float[np.ndarray, " point"]:
-        """Distance x cos b + y sin b in m of points [x, y, ...] along the waves."""
-        return np.asarray(points[:, :2] @ self.unit)
+    def place(self, points: Float[np.ndarray, "point axis"]) -> Float[np.ndarray, "point 3"]:
+        """Points [x, y, z] or [x, y] in global axes, as [x, y, z] in wave axes."""
+        n_axes = points.shape[1]
+        return np.ascontiguousarray(points @ self.axes[:, :n_axes].T)
+
+    def turn_back(self, vectors: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
+        """Vectors in wave axes, as vectors in global axes."""
+        return np.asarray(vectors @ self.axes)
 
 
 def sea_field(case: CaseConfig) -> str:
@@ -102,6 +110,7 @@ def build_sea_state(case: CaseConfig) -> SeaState:
         phase_rad=phase,
         wavenumber_rad_m=wavenumber(omega, water_depth=depth, gravity=gravity),
         direction_deg=direction,
+        component_direction_deg=np.full(omega.size, direction),
         water_depth_m=depth,
         gravity_m_s2=gravity,
         density_kg_m3=case.density_kg_m3,
@@ -121,12 +130,15 @@ class Waves:
     ----------
     omega, wavenumber : float arrays [component]
         rad/s, rad/m.
+    angle : float array [component]
+        Direction from the heading in rad, zero for long-crested waves.
     amplitude : complex array [component]
-        a exp(-i phase) in m: eta1 = Re sum amplitude exp(i (omega t - k x)).
+        a exp(-i phase) in m: eta1 = Re sum amplitude exp(i (omega t - k x)), x along the component.
     """
 
     omega: Float[np.ndarray, " component"]
     wavenumber: Float[np.ndarray, " component"]
+    angle: Float[np.ndarray, " component"]
     amplitude: Complex[np.ndarray, " component"]
     depth: float
     gravity: float
@@ -152,6 +164,7 @@ def waves(sea: SeaState) -> Waves:
     return Waves(
         omega=omega[keep],
         wavenumber=sea.wavenumber_rad_m[first][keep],
+        angle=np.zeros(int(keep.sum())),
         amplitude=amplitude[keep],
         depth=sea.water_depth_m,
         gravity=sea.gravity_m_s2,

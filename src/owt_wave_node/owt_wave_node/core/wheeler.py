@@ -16,7 +16,7 @@ from owt_model.errors import ComputationError
 from owt_wave_node.core.field import (
     Field,
     Kinematics,
-    Points,
+    Place,
     Prepared,
     Profile,
     Series,
@@ -63,24 +63,28 @@ class WheelerField:
     def __init__(self, waves: Waves, linear: Field) -> None:
         self.waves = waves
         self._linear = linear
+        self.n_axes, self.n = linear.n_axes, linear.n
         self.wavenumber = linear.wavenumber
 
-    def elevation(self, x: Points) -> tuple[Series, Series]:
+    def elevation(self, place: Place) -> tuple[Series, Series]:
         """First-order elevation in m and zeros."""
-        return self._linear.elevation(x)
+        return self._linear.elevation(place)
 
-    def first(self, x: Points, z: Points) -> Kinematics:
+    def first(self, place: Place) -> Kinematics:
         """Stretched kinematics."""
-        out = np.empty((x.size, 4, self.waves.n))
-        eta, _ = self.elevation(x)
+        out = np.empty((len(place), 2 * self.n_axes, self.n))
+        eta, _ = self.elevation(place)
         depth = self.waves.depth
-        for p in range(x.size):
-            level = np.maximum((z[p] - eta[p]) / (1.0 + eta[p] / depth), -depth)
-            self._at_level(x[p : p + 1], level, out[p])
+        for p, z in enumerate(place[:, 2]):
+            level = np.maximum((z - eta[p]) / (1.0 + eta[p] / depth), -depth)
+            self._at_level(place[p : p + 1], level, out[p])
         return out
 
     def _at_level(
-        self, x: Float[np.ndarray, " 1"], level: Float[np.ndarray, " time"], out: Float[np.ndarray, "4 time"]
+        self,
+        place: Float[np.ndarray, "1 3"],
+        level: Float[np.ndarray, " time"],
+        out: Float[np.ndarray, "channel time"],
     ) -> None:
         """Kinematics at a level in m that changes with time."""
         wet = np.minimum(level, 0.0)
@@ -97,29 +101,31 @@ class WheelerField:
         # Discrete cosine transform from values at the nodes to coefficients of the series.
         transform = np.cos(np.outer(np.arange(count), np.arccos(node))) * (2.0 / count)
         transform[0] *= 0.5
-        coefficient = self._linear.shaped(np.full(count, x[0]), *(transform @ part for part in profile))
+        coefficient = self._linear.shaped(
+            np.repeat(place, count, axis=0), *(transform @ part for part in profile)
+        )
         _kernel.series(coefficient, (wet - middle) / half, out)
         above = np.maximum(level, 0.0)
         if above.any():
             k = self.wavenumber[None, :]
-            out += above * self._linear.shaped(x, k * np.tanh(k * self.waves.depth), k.copy())[0]
+            out += above * self._linear.shaped(place, k * np.tanh(k * self.waves.depth), k.copy())[0]
 
-    def second(self, x: Points, z: Points) -> Kinematics:
+    def second(self, place: Place) -> Kinematics:
         """Zeros: Wheeler stretches the first order only."""
-        return np.zeros((x.size, 4, self.waves.n))
+        return np.zeros((len(place), 2 * self.n_axes, self.n))
 
-    def shaped(self, x: Points, horizontal: Profile, vertical: Profile) -> Kinematics:
+    def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
         """Kinematics with given vertical factors, which leave nothing to stretch."""
-        return self._linear.shaped(x, horizontal, vertical)
+        return self._linear.shaped(place, horizontal, vertical)
 
-    def prepare(self, x: Points, z: Points) -> Prepared:
+    def prepare(self, place: Place) -> Prepared:
         """Remember the points."""
-        return _WheelerPrepared(self, x, z)
+        return _WheelerPrepared(self, place)
 
 
 class _WheelerPrepared:
-    def __init__(self, field: WheelerField, x: Points, z: Points) -> None:
-        self._field, self._x, self._z = field, x, z
+    def __init__(self, field: WheelerField, place: Place) -> None:
+        self._field, self._place = field, place
 
-    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some 4 time"]:
-        return self._field.first(self._x[index], self._z[index])
+    def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some channel time"]:
+        return self._field.first(self._place[index])

@@ -10,7 +10,7 @@ from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.field import GridField
 from owt_wave_node.core.grid import frequency_grid
 from owt_wave_node.core.kinematics import wave_kinematics
-from owt_wave_node.core.route import make_field
+from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Waves, build_sea_state, waves
 
 X, Z = np.array([0.0, 3.7, -8.0]), np.array([-1.0, -27.0, 1.5])
@@ -25,7 +25,7 @@ def sea(recorded) -> Waves:
 
 @pytest.fixture(scope="module")
 def field(sea: Waves) -> GridField:
-    made = make_field(sea)
+    made = component_field(sea)
     assert isinstance(made, GridField)
     return made
 
@@ -121,7 +121,7 @@ def test_gaps_between_components_change_nothing(recorded, reference, listed) -> 
     d = reference["A"]
     keep = np.arange(len(d["a"])) % 3 != 1
     gaps = waves(build_sea_state(listed(d["omega"][keep], d["a"][keep], d["phi"][keep])))
-    scattered = make_field(gaps)
+    scattered = component_field(gaps)
     assert isinstance(scattered, GridField)
     assert not scattered.dense
     filled = Waves(
@@ -136,7 +136,7 @@ def test_gaps_between_components_change_nothing(recorded, reference, listed) -> 
         DT,
         N,
     )
-    dense = make_field(filled)
+    dense = component_field(filled)
     assert isinstance(dense, GridField)
     assert dense.dense
     assert difference(dense.second(PLACE), scattered.second(PLACE)) < 1e-12
@@ -187,7 +187,7 @@ def test_components_off_the_grid(reference, listed) -> None:
     on = wave_kinematics(listed(d["omega"][keep], d["a"][keep], d["phi"][keep], points_m=points))
     shift = 1.0 + 1e-9 * np.sqrt(np.arange(40) + 2.0)
     case = listed(d["omega"][keep] * shift, d["a"][keep], d["phi"][keep], points_m=points)
-    assert isinstance(make_field(waves(build_sea_state(case))), DirectField)
+    assert isinstance(component_field(waves(build_sea_state(case))), DirectField)
     off = wave_kinematics(case)
     for name in ("eta1", "eta2", "velocity2", "acceleration2"):
         assert difference(getattr(on, name), getattr(off, name)) < 2e-5, name
@@ -239,7 +239,7 @@ def test_deep_water_does_not_overflow(listed) -> None:
         omega, np.full(53, 0.02), np.sqrt(np.arange(53.0)), water_depth_m=1000.0, time={"dt_s": 0.1, "n": 600}
     )
     sea = waves(build_sea_state(case))
-    field = make_field(sea)
+    field = component_field(sea)
     assert isinstance(field, GridField)
     assert len(field._blocks) > 10
     x, z = np.array([0.0, 5.0, 3.0]), np.array([-1.0, -60.0, -400.0])

@@ -13,7 +13,7 @@ from owt_wave_node.core.dispersion import wavenumber
 from owt_wave_node.core.hydro_mesh import build_hydro_mesh
 from owt_wave_node.core.kinematics import wave_kinematics
 from owt_wave_node.core.loads import Loads, jacket_loads
-from owt_wave_node.core.route import make_field
+from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import build_sea_state, waves
 
 RHO, G, DIAMETER = 1025.0, 9.81, 1.5
@@ -341,7 +341,7 @@ def test_surface_range_finds_the_crest_between_gauges(listed) -> None:
     w = waves(build_sea_state(case))
     length = 2.0 * math.pi / float(w.wavenumber[0])
     low, high = loads_module.surface_range(
-        make_field(w), np.array([[-10.0, 0.0, 0.0], [10.0, 0.0, 0.0]]), length
+        component_field(w), np.array([[-10.0, 0.0, 0.0], [10.0, 0.0, 0.0]]), length
     )
     assert 0.92 < high <= 1.0
     assert -1.0 <= low < -0.92

@@ -9,7 +9,7 @@ import pytest
 
 from owt_wave_node.core.dispersion import wavenumber
 from owt_wave_node.core.kinematics import wave_kinematics
-from owt_wave_node.core.route import make_field
+from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import build_sea_state, waves
 from owt_wave_node.core.transfer import set_down, transfer
 
@@ -124,7 +124,7 @@ def test_set_down(reference, recorded) -> None:
     for name in "AC":
         w = waves(build_sea_state(recorded(name)))
         assert set_down(w) == pytest.approx(float(reference[name]["mean_setdown"]), rel=1e-12)
-        _, eta2 = make_field(w).elevation(np.zeros((1, 3)))
+        _, eta2 = component_field(w).elevation(np.zeros((1, 3)))
         assert eta2.mean() == pytest.approx(float(reference[name]["mean_setdown"]), rel=1e-9)
 
 

@@ -12,7 +12,7 @@ from owt_model.errors import ComputationError, InputError
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
-from owt_wave_node.core.sea import Frame, build_sea_state, waves
+from owt_wave_node.core.sea import Frame, build_sea_state
 
 __all__ = ["Kinematics", "wave_kinematics"]
 
@@ -63,7 +63,7 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
     place = frame.place(np.array(case.points_m, dtype=float))
     z = place[:, 2].copy()
     check_extrapolation(sea.stretching, sea.wavenumber_rad_m, float(z.max()))
-    field = make_field(waves(sea))
+    field = make_field(case, sea)
     n, size = case.time.n, len(place)
     eta = np.empty((2, n, size))
     motion = np.empty((4, n, size, 3))

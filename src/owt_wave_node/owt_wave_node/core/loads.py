@@ -16,7 +16,7 @@ from owt_wave_node.core.field import Field
 from owt_wave_node.core.hydro_mesh import build_hydro_mesh, interface_level
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
-from owt_wave_node.core.sea import Frame, build_sea_state, sea_field, waves
+from owt_wave_node.core.sea import Frame, build_sea_state, sea_field
 
 __all__ = ["LoadHistory", "Loads", "jacket_loads", "load_history", "surface_range"]
 
@@ -63,7 +63,7 @@ def jacket_loads(case: CaseConfig, mesh: Mesh) -> Loads:
         If a load is not finite.
     """
     sea = build_sea_state(case)
-    history = load_history(case, mesh, sea, make_field(waves(sea)))
+    history = load_history(case, mesh, sea, make_field(case, sea))
     nodal = history.nodal.reshape(6 * len(history.node), -1)
     # Resultants about the origin: force F, moment M + r x F.
     resultant = np.zeros((6, len(history.node), 6))

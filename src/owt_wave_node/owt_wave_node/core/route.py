@@ -4,18 +4,25 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from owt_model.config import CaseConfig
+from owt_model.contracts import SeaState
 from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.field import Field, GridField
 from owt_wave_node.core.grid import frequency_grid
-from owt_wave_node.core.sea import Waves
+from owt_wave_node.core.sea import Waves, waves
 from owt_wave_node.core.wheeler import WheelerField
 
-__all__ = ["make_field"]
+__all__ = ["component_field", "make_field"]
 
 
-def make_field(waves: Waves) -> Field:
-    """Choose the route: Fourier transforms where the components lie on a grid, direct sums elsewhere."""
-    if waves.stretching == "wheeler":
-        return WheelerField(waves, make_field(replace(waves, stretching="constant")))
-    grid = frequency_grid(waves.omega, dt=waves.dt, n=waves.n, order=waves.order)
-    return DirectField(waves) if grid is None else GridField(waves, grid)
+def make_field(case: CaseConfig, sea: SeaState) -> Field:
+    """Return the wave field of a case and its sea."""
+    return component_field(waves(sea))
+
+
+def component_field(components: Waves) -> Field:
+    """Choose the route for components: Fourier transforms where the components lie on a grid, direct sums elsewhere."""
+    if components.stretching == "wheeler":
+        return WheelerField(components, component_field(replace(components, stretching="constant")))
+    grid = frequency_grid(components.omega, dt=components.dt, n=components.n, order=components.order)
+    return DirectField(components) if grid is None else GridField(components, grid)

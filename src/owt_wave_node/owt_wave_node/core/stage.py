@@ -14,7 +14,7 @@ from owt_model.pod import load_basis
 from owt_wave_node.core.assembly import LoadHistory
 from owt_wave_node.core.loads import load_history
 from owt_wave_node.core.route import make_field
-from owt_wave_node.core.sea import Frame, build_sea_state, waves
+from owt_wave_node.core.sea import Frame, build_sea_state
 
 __all__ = ["WaveStage", "build_wave_stage"]
 
@@ -94,7 +94,7 @@ def build_wave_stage(case: CaseConfig, mesh: Mesh) -> WaveStage:
         If a result is not finite.
     """
     sea = build_sea_state(case)
-    field = make_field(waves(sea))
+    field = make_field(case, sea)
     history = load_history(case, mesh, sea, field)
     gauge = np.array(case.gauges_m, dtype=float)
     first, second = field.elevation(Frame(sea.direction_deg).place(gauge))

@@ -21,7 +21,7 @@ def make_field(case: CaseConfig, sea: SeaState) -> Field:
 
 
 def component_field(components: Waves) -> Field:
-    """Choose the route for components: Fourier transforms where the components lie on a grid, direct sums elsewhere."""
+    """Choose the route for components: Fourier transforms on a frequency grid, direct sums elsewhere."""
     if components.stretching == "wheeler":
         return WheelerField(components, component_field(replace(components, stretching="constant")))
     grid = frequency_grid(components.omega, dt=components.dt, n=components.n, order=components.order)

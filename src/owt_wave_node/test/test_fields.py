@@ -116,6 +116,18 @@ def test_double_sum_equals_single_summation(sea: Waves, field: GridField) -> Non
     assert difference(field.second(PLACE), wrong.second(PLACE)) > 1e-10
 
 
+def test_complex_profiles_turn_the_phase(sea: Waves, field: GridField) -> None:
+    """A factor exp(-i k dx) moves the point by dx, in both routes."""
+    dx = 3.0
+    ones = np.ones((3, sea.wavenumber.size))
+    moved = PLACE + np.array([dx, 0.0, 0.0])
+    for route in (field, DirectField(sea)):
+        turn = np.exp(-1j * dx * route.wavenumber) * ones
+        got, expected = route.shaped(PLACE, turn, 2.0 * turn), route.shaped(moved, ones, 2.0 * ones)
+        assert difference(expected, got) < 1e-11
+        assert difference(expected, route.shaped(PLACE, turn.conj(), 2.0 * turn.conj())) > 1e-2
+
+
 def test_gaps_between_components_change_nothing(recorded, reference, listed) -> None:
     """A sea with gaps takes the scattered sums; zero amplitudes in the gaps must not matter."""
     d = reference["A"]

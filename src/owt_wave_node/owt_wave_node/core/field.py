@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Complex, Float, Int
+from jaxtyping import Complex, Float, Inexact, Int
 
 from owt_wave_node.core.grid import FrequencyGrid
 from owt_wave_node.core.parallel import map_threads
@@ -28,7 +28,8 @@ __all__ = ["Field", "GridField", "Prepared"]
 Place = Float[np.ndarray, "point 3"]
 Series = Float[np.ndarray, "point time"]
 Kinematics = Float[np.ndarray, "point channel time"]
-Profile = Float[np.ndarray, "point component"]
+#: Complex where a factor also turns the phase: it multiplies the amplitude of exp(i (omega t - k x)).
+Profile = Inexact[np.ndarray, "point component"]
 
 #: Largest exponent in the scaled factors of the difference pairs; exp(700) would overflow.
 MAX_SCALED = 300.0
@@ -72,7 +73,7 @@ class Field(Protocol):
         ...
 
     def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
-        """First-order kinematics with given vertical factors instead of those of a level."""
+        """First-order kinematics with given vertical factors, real or complex, not those of a level."""
         ...
 
     def second(self, place: Place) -> Kinematics:
@@ -130,10 +131,10 @@ class GridField:
         out: Complex[np.ndarray, "point 2 bin"],
     ) -> None:
         """Add the coefficients of u and w of the first order [eq. 4.32, 4.33]."""
-        _kernel.first_order(
-            x, horizontal, vertical, self.wavenumber, self.omega, self.bins, self.amplitude,
-            self.waves.gravity, out,
-        )  # fmt: skip
+        speed = self.waves.gravity * self.wavenumber / self.omega * self.amplitude
+        here = speed * np.exp(-1j * self.wavenumber * x[:, None])
+        out[:, 0, self.bins] += here * horizontal
+        out[:, 1, self.bins] += 1j * (here * vertical)
 
     def _spectra(self, place: Place, *, first: bool, second: bool) -> Complex[np.ndarray, "point 2 bin"]:
         """Coefficients of u and w [eq. 4.32, 4.33, 4.50, 4.51]."""

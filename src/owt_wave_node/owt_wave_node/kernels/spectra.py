@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["expand", "first_order", "second_elevation", "second_velocity", "warm_up"]
+__all__ = ["expand", "second_elevation", "second_velocity", "warm_up"]
 
 #: Exponent below the dominant pair from which a pair cannot change the sum in double precision.
 NEGLIGIBLE = 40.0
@@ -106,21 +106,6 @@ def _phases(x, k, amplitude, out_re, out_im):
         c, s = math.cos(k[m] * x), math.sin(k[m] * x)
         re, im = amplitude[m].real, amplitude[m].imag
         out_re[m], out_im[m] = re * c + im * s, im * c - re * s
-
-
-@njit(cache=True, nogil=True)
-def first_order(x, vertical_u, vertical_w, k, omega, j, amplitude, gravity, out):
-    """Add the first-order velocities [eq. 4.32, 4.33] to out [point, 2, j].
-
-    `vertical_u`, `vertical_w` [point, component] are the vertical factors.
-    """
-    re, im = np.empty(k.size), np.empty(k.size)
-    for p in range(x.size):
-        _phases(x[p], k, amplitude, re, im)
-        for m in range(k.size):
-            value = gravity * k[m] / omega[m] * complex(re[m], im[m])
-            out[p, 0, j[m]] += value * vertical_u[p, m]
-            out[p, 1, j[m]] += 1j * value * vertical_w[p, m]
 
 
 @njit(cache=True, nogil=True)
@@ -217,10 +202,8 @@ def expand(velocity, index, spacing, out):
 
 def warm_up() -> None:
     """Compile the kernels."""
-    k, omega, x = np.array([0.04, 0.05]), np.array([0.6, 0.7]), np.zeros(1)
-    j, amplitude, factor = np.array([1, 2]), np.ones(2, dtype=complex), np.ones((1, 2))
+    k, x, j, amplitude = np.array([0.04, 0.05]), np.zeros(1), np.array([1, 2]), np.ones(2, dtype=complex)
     velocity, elevation = np.zeros((1, 2, 5), dtype=complex), np.zeros((1, 5), dtype=complex)
-    first_order(x, factor, factor, k, omega, j, amplitude, 9.81, velocity)
     for dense in (True, False):
         second_velocity(
             x, x - 1.0, k, j, dense, amplitude, 50.0, 0.04, np.array([0, 2]), np.ones(3), np.ones(1), velocity

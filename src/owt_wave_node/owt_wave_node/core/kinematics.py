@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float
 
 from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, InputError
+from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
@@ -29,9 +30,9 @@ class Kinematics:
     eta1, eta2 : float arrays [time, point]
         First- and second-order elevation at the place of each point.
     velocity, acceleration : float arrays [time, point, 3]
-        Total of the asked order; a point above the surface holds the stretched value.
+        Total of the asked order, and the current; a point above the surface holds the stretched value.
     velocity2, acceleration2 : float arrays [time, point, 3]
-        The second-order part of them, zero at order 1.
+        The second-order part of them, zero at order 1; without the current.
     wet : bool array [time, point]
         True where the point lies at or below the instantaneous surface.
     """
@@ -70,6 +71,7 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
     for i in range(0, size, BLOCK):
         rows = slice(i, min(i + BLOCK, size))
         _fill(field, place[rows], frame, eta[:, :, rows], motion[:, :, rows])
+    motion[0, :, :, :2] += current_velocity(case, z)
     if not (np.isfinite(eta).all() and np.isfinite(motion).all()):
         raise ComputationError("wave kinematics are not finite")
     return Kinematics(

@@ -12,7 +12,7 @@ from owt_model.config import CaseConfig, parse_case
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import load_structure, parse_structure
 
-__all__ = ["DATA", "column", "listed", "oc4", "recorded", "reference", "relative"]
+__all__ = ["DATA", "column", "listed", "oc4", "openfast", "recorded", "reference", "relative"]
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -26,6 +26,13 @@ def relative(got: Any, expected: Any) -> float:
 def reference(name: str) -> dict[str, Any]:
     """Arrays of the reference sea A or C, see test/data/waves/README.md; not to be written to."""
     with np.load(DATA / "waves" / f"case_{name}.npz") as file:
+        return dict(file)
+
+
+@cache
+def openfast() -> dict[str, Any]:
+    """Arrays that OpenFAST gives for the same seas, single precision, see test/data/waves/README.md."""
+    with np.load(DATA / "waves" / "openfast.npz") as file:
         return dict(file)
 
 

@@ -36,84 +36,8 @@ def at(x, z) -> np.ndarray:
     return np.column_stack([x, np.zeros(len(x)), z]).astype(float)
 
 
-def check_derivative(velocity: np.ndarray, acceleration: np.ndarray) -> None:
-    """The accelerations are the time derivatives of the velocities (spectral, the record is periodic)."""
-    n = velocity.shape[-1]
-    rate = 2j * np.pi * np.fft.rfftfreq(n, DT)
-    derived = np.fft.irfft(rate * np.fft.rfft(velocity), n)
-    assert np.abs(derived - acceleration).max() < 1e-11 * np.abs(acceleration).max()
-
-
-def test_accelerations_are_derivatives(field: GridField) -> None:
-    for motion in (field.first(PLACE), field.second(PLACE)):
-        check_derivative(motion[:, :2], motion[:, 2:])
-        with pytest.raises(AssertionError):
-            check_derivative(motion[:, :2], -motion[:, 2:])  # the wrong variant: sign of time
-        with pytest.raises(AssertionError):
-            check_derivative(motion[:, :2], motion[:, [3, 2]])  # the wrong variant: swapped
-
-
-H = 1e-3
-
-
-def gradients(part, x: float, z: float):
-    """Central differences (du/dx, dw/dz, du/dz, dw/dx) of a field at a point."""
-    got = part(at([x + H, x - H, x, x], [z, z, z + H, z - H]))
-    by_x, by_z = (got[0] - got[1]) / (2.0 * H), (got[2] - got[3]) / (2.0 * H)
-    return by_x[0], by_z[1], by_z[0], by_x[1]
-
-
-def check_potential_flow(du_dx, dw_dz, du_dz, dw_dx) -> None:
-    """Continuity du/dx + dw/dz = 0 and no rotation du/dz - dw/dx = 0."""
-    scale = np.abs(du_dx).max()
-    assert np.abs(du_dx + dw_dz).max() < 2e-6 * scale
-    assert np.abs(du_dz - dw_dx).max() < 2e-6 * scale
-
-
-@pytest.mark.parametrize("z", [-2.0, -30.0])
-def test_potential_flow(field: GridField, z: float) -> None:
-    for part in (field.first, field.second):
-        du_dx, dw_dz, du_dz, dw_dx = gradients(part, 2.0, z)
-        check_potential_flow(du_dx, dw_dz, du_dz, dw_dx)
-        with pytest.raises(AssertionError):
-            check_potential_flow(du_dx, -dw_dz, du_dz, dw_dx)  # the wrong variant: w of the other sign
-
-
-def test_no_flow_through_the_bed(field: GridField) -> None:
-    bed = np.array([-50.0])
-    for part in (field.first, field.second):
-        motion = part(at(np.zeros(1), bed))
-        assert np.abs(motion[0, 1]).max() < 1e-12 * np.abs(motion[0, 0]).max()
-
-
-def test_taylor_above_still_water(field: GridField) -> None:
-    """q(z) = q1(0) + z dq1/dz(0) + q2(0) for both velocities and both accelerations [eq. 2.19]."""
-    x, z = np.array([4.0]), 2.5
-    zero = field.first(at(x, 0.0))
-    below = [field.first(at(x, -h)) for h in (1e-3, 2e-3)]
-    slope = (3.0 * zero - 4.0 * below[0] + below[1]) / 2e-3
-    got = field.first(at(x, z))
-    assert np.abs(got - (zero + z * slope)).max() < 1e-6 * np.abs(got).max()
-    assert np.array_equal(field.second(at(x, z)), field.second(at(x, 0.0)))
-    with pytest.raises(AssertionError):  # the wrong variant: the second order is expanded too
-        assert np.array_equal(field.second(at(x, -z)), field.second(at(x, 0.0)))
-
-
 def difference(a, b) -> float:
     return float(np.abs(a - b).max() / np.abs(a).max())
-
-
-def test_double_sum_equals_single_summation(sea: Waves, field: GridField) -> None:
-    double = DirectField(sea)
-    for one, other in zip(field.elevation(PLACE), double.elevation(PLACE), strict=True):
-        assert difference(one, other) < 1e-10
-    for part in ("first", "second"):
-        one, other = getattr(field, part)(PLACE), getattr(double, part)(PLACE)
-        for q in range(4):
-            assert difference(one[:, q], other[:, q]) < 1e-10
-    wrong = DirectField(sea)  # the wrong variant: the difference pairs (m, n) and (n, m) cancel, eq. 4.24
-    wrong._velocity_minus = np.zeros_like(wrong._velocity_minus)
-    assert difference(field.second(PLACE), wrong.second(PLACE)) > 1e-10
 
 
 def test_complex_profiles_turn_the_phase(sea: Waves, field: GridField) -> None:
@@ -165,17 +89,6 @@ def test_a_short_window_of_a_long_record(recorded) -> None:
     assert np.array_equal(short.wet, long.wet[:300])
 
 
-def test_coarse_samples_are_those_of_the_fine_record(recorded) -> None:
-    """Twice the highest component above the Nyquist frequency of the samples: no aliasing."""
-    points = [[1.0, 0.0, -3.0]]
-    fine = wave_kinematics(recorded("A", points_m=points))
-    coarse = wave_kinematics(
-        recorded("A", points_m=points, time={"dt_s": 2.0, "n": 300}, structure={"dt_s": 0.02})
-    )
-    for name in ("eta1", "eta2", "velocity", "acceleration2"):
-        assert difference(getattr(fine, name)[::20], getattr(coarse, name)) < 1e-12, name
-
-
 def test_grid_is_the_smallest() -> None:
     base = 2.0 * np.pi / 60.0
     cases = {1: [1.0, 5.0], 2: [1.5, 5.0], 20: [1.05, 3.0], 6: [1.5, 7.0 / 3.0]}
@@ -203,30 +116,6 @@ def test_components_off_the_grid(reference, listed) -> None:
     off = wave_kinematics(case)
     for name in ("eta1", "eta2", "velocity2", "acceleration2"):
         assert difference(getattr(on, name), getattr(off, name)) < 2e-5, name
-
-
-def check_rotated(b: float, turned, straight) -> None:
-    c, s = np.cos(np.deg2rad(b)), np.sin(np.deg2rad(b))
-    for name in ("velocity", "acceleration", "velocity2", "acceleration2"):
-        one, other = getattr(turned, name), getattr(straight, name)
-        expected = np.stack([c * other[:, :, 0], s * other[:, :, 0], other[:, :, 2]], axis=2)
-        assert difference(expected, one) < 1e-10, name
-    assert difference(straight.eta2, turned.eta2) < 1e-10
-
-
-def test_heading_turns_the_answer(reference, listed) -> None:
-    d, b = reference["A"], 210.0
-    c, s = np.cos(np.deg2rad(b)), np.sin(np.deg2rad(b))
-    points = np.array([[5.0, 0.0, -2.0], [-3.0, 0.0, 1.0]])
-    turned_points = np.column_stack([points[:, 0] * c, points[:, 0] * s, points[:, 2]])
-    sea = (d["omega"], d["a"], d["phi"])
-    straight = wave_kinematics(listed(*sea, points_m=points.tolist()))
-    check_rotated(b, wave_kinematics(listed(*sea, direction=b, points_m=turned_points.tolist())), straight)
-    across = turned_points + [0.0, 0.0, 0.0] + np.array([-s, c, 0.0]) * 7.0  # along the crests: no change
-    check_rotated(b, wave_kinematics(listed(*sea, direction=b, points_m=across.tolist())), straight)
-    wrong = wave_kinematics(listed(*sea, direction=180.0 - b, points_m=turned_points.tolist()))
-    with pytest.raises(AssertionError):  # the wrong variant: a metocean direction taken for b
-        check_rotated(b, wrong, straight)
 
 
 def test_order_one_has_no_second_order(recorded) -> None:

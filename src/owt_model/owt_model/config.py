@@ -20,6 +20,7 @@ from owt_model.sea_config import (
     Components,
     Coordinate,
     Current,
+    Focus,
     Measured,
     RegularWave,
     SeaStateConfig,
@@ -34,6 +35,7 @@ __all__ = [
     "Current",
     "Damping",
     "Fatigue",
+    "Focus",
     "Measured",
     "Morison",
     "RegularWave",
@@ -249,14 +251,26 @@ class CaseConfig(Frozen):
                 f"makes the steepness 2 pi Hs/(g Tp^2) {steepness:.3g}, above 1/7",
                 f"Use at least {shortest:.2f} s with Hs {sea.hs_m:g} m.",
             )
-        cutoff = sea.cutoff_over_peak * 2.0 * math.pi / sea.tp_s
-        if cutoff * self.time.duration_s < 2.0 * math.pi * (1.0 - 1e-12):
+        sea.component_numbers(duration=self.time.duration_s, gravity=self.gravity_m_s2)
+        if sea.focus is not None:
+            self._check_focus(sea.focus)
+
+    def _check_focus(self, focus: Focus) -> None:
+        end = (self.time.n - 1) * self.time.dt_s
+        if focus.time_s > end * (1.0 + 1e-12):
             raise InputError(
-                "time.n",
-                self.time.n,
-                f"times dt_s = {self.time.dt_s:g} s is too short: no component 2 pi m/(n dt) lies below the "
-                f"cut-off {cutoff:.3g} rad/s",
-                "Use a longer record.",
+                "sea_state.focus.time_s",
+                focus.time_s,
+                f"lies after the last sample of the record, {end:g} s",
+                "Focus within the record, or lengthen it.",
+            )
+        limit_height = MAX_HEIGHT_OVER_DEPTH * self.water_depth_m
+        if focus.crest_m > limit_height:
+            raise InputError(
+                "sea_state.focus.crest_m",
+                focus.crest_m,
+                f"must be at most {MAX_HEIGHT_OVER_DEPTH} of the water depth, {limit_height:g} m",
+                "Waves this high break in this depth.",
             )
 
     @property

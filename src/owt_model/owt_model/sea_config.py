@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -30,6 +31,9 @@ System = tuple[
     Annotated[float, Field(gt=0.0, le=60.0)],
     Annotated[float, Field(gt=0.0, le=20.0)],
 ]
+
+#: Relative difference between Hs and the total of two given systems that is taken as rounding.
+TOTAL_HEIGHT = 0.01
 
 
 class Focus(Frozen):
@@ -82,15 +86,67 @@ class SeaStateConfig(Frozen):
     focus: Focus | None = Field(None, description="a crest embedded in the sea; null for none")
 
     @model_validator(mode="after")
-    def _systems_belong_to_ochi_hubble(self) -> SeaStateConfig:
-        if self.systems is not None and self.spectrum != "ochi-hubble":
+    def _parameters_belong_to_the_shape(self) -> SeaStateConfig:
+        if self.gamma is not None and self.spectrum != "jonswap":
+            raise InputError(
+                "sea_state.gamma",
+                self.gamma,
+                f"is that of a jonswap spectrum, not of {self.spectrum}",
+                "Leave gamma out, or set sea_state.spectrum to jonswap.",
+            )
+        if self.systems is None:
+            return self
+        if self.spectrum != "ochi-hubble":
             raise InputError(
                 "sea_state.systems",
                 self.spectrum,
                 "are those of an ochi-hubble spectrum only",
                 "Set sea_state.spectrum to ochi-hubble or leave systems out.",
             )
+        total = math.hypot(*(height for height, _, _ in self.systems))
+        if abs(total - self.hs_m) > TOTAL_HEIGHT * total:
+            raise InputError(
+                "sea_state.hs_m",
+                self.hs_m,
+                f"must be the total sqrt(Hs1^2 + Hs2^2) = {total:.4g} m of the systems",
+                f"Set it to {total:.4g}.",
+            )
         return self
+
+    def cutoff_hz(self, gravity: float) -> float:
+        """Highest frequency in Hz a component may have, for `gravity` in m/s2."""
+        if self.cutoff == "steepness":
+            return math.sqrt(2.0 * gravity / self.hs_m) / (2.0 * math.pi)
+        return self.cutoff_over_peak / self.tp_s
+
+    def component_numbers(self, *, duration: float, gravity: float) -> range:
+        """Numbers m of the components m / duration within the band, for a record of `duration` s.
+
+        Raises
+        ------
+        InputError
+            If the band is empty, or the record too short for a component within it.
+        """
+        lowest, highest = self.cutin_over_peak / self.tp_s, self.cutoff_hz(gravity)
+        if lowest >= highest:
+            raise InputError(
+                "sea_state.cutin_over_peak",
+                self.cutin_over_peak,
+                f"lies above the cut-off at {highest * self.tp_s:.3g} of the peak frequency",
+                "Lower the cut-in or raise the cut-off.",
+            )
+        # A component on the limit belongs to the band, whatever its last digit.
+        first = max(1, math.ceil(lowest * duration * (1.0 - 1e-12)))
+        last = math.floor(highest * duration * (1.0 + 1e-12))
+        if first > last:
+            band = f"{2.0 * math.pi * lowest:.3g} to {2.0 * math.pi * highest:.3g} rad/s"
+            raise InputError(
+                "time.n",
+                f"{duration:g} s of record",
+                f"is too short: no component 2 pi m/(n dt) lies in the band {band}, below the cut-off",
+                "Use a longer record.",
+            )
+        return range(first, last + 1)
 
 
 class Components(Frozen):

@@ -1,4 +1,4 @@
-"""Spectrum, phases and dispersion."""
+"""Spectra, their realisation and dispersion."""
 
 from __future__ import annotations
 
@@ -7,13 +7,26 @@ import math
 import numpy as np
 import pytest
 
-from owt_model.config import parse_case
+from owt_model.config import SeaStateConfig, parse_case
 from owt_model.errors import ComputationError, InputError
-from owt_wave_node.core import spectrum
+from owt_wave_node.core import realisation, spectrum
 from owt_wave_node.core.dispersion import wavenumber
+from owt_wave_node.core.realisation import Realisation, realise
 from owt_wave_node.core.sea import build_sea_state, waves
 
 SEA = {"hs": 6.0, "tp": 9.45, "gamma": 3.3}
+FREQUENCY = np.linspace(1e-3, 4.0, 40000)
+
+
+def config(**given: object) -> SeaStateConfig:
+    """A sea state as a case file gives it."""
+    sea = parse_case({"sea_state": {"gamma": 3.3} | given if "spectrum" not in given else given}).sea_state
+    assert sea is not None
+    return sea
+
+
+def realised(duration: float = 600.0, **given: object) -> Realisation:
+    return realise(config(**given), duration=duration, gravity=9.81)
 
 
 def test_gamma_rule() -> None:
@@ -29,9 +42,9 @@ def check_height(amplitude: np.ndarray) -> None:
 
 
 def test_height_is_exact_within_the_band() -> None:
-    for cutoff in (1.5, 4.0):
-        _, amplitude, _ = spectrum.components(**SEA, cutoff_over_peak=cutoff, duration=600.0, seed=1)
-        check_height(amplitude)
+    for name in spectrum.SHAPES:
+        for cutoff in (1.5, 4.0):
+            check_height(realised(spectrum=name, cutoff_over_peak=cutoff).amplitude)
 
 
 def test_height_would_notice_the_unscaled_spectrum() -> None:
@@ -51,23 +64,23 @@ def test_jonswap_holds_the_energy_of_hs() -> None:
 
 def test_phases_are_the_same_everywhere() -> None:
     """PCG64(1), ascending frequency: the first three phases, and a longer band begins like a shorter."""
-    assert spectrum.phases(3, 1) == pytest.approx([3.21587011, 5.97193953, 0.90578156], abs=1e-8)
-    assert np.array_equal(spectrum.phases(10, 7), spectrum.phases(50, 7)[:10])
-    assert not np.allclose(spectrum.phases(3, 1), spectrum.phases(3, 2))
-    many = spectrum.phases(20000, 3)
+    assert realisation.phases(3, 1) == pytest.approx([3.21587011, 5.97193953, 0.90578156], abs=1e-8)
+    assert np.array_equal(realisation.phases(10, 7), realisation.phases(50, 7)[:10])
+    assert not np.allclose(realisation.phases(3, 1), realisation.phases(3, 2))
+    many = realisation.phases(20000, 3)
     assert many.min() >= 0.0
     assert many.max() < 2.0 * math.pi
 
 
 def test_components_are_multiples_up_to_the_cutoff() -> None:
-    omega, _, _ = spectrum.components(**SEA, cutoff_over_peak=4.0, duration=600.0, seed=1)
+    omega = realised().omega
     assert len(omega) == 253
     assert omega == pytest.approx(2.0 * math.pi / 600.0 * np.arange(1, 254), rel=1e-14)
 
 
 def test_empty_band_is_refused() -> None:
     with pytest.raises(InputError, match=r"time\.n .*no component"):
-        spectrum.components(**SEA, cutoff_over_peak=4.0, duration=2.0, seed=1)
+        realised(duration=2.0)
 
 
 OMEGA = np.concatenate([np.geomspace(1e-3, 60.0, 400), np.array([0.5, 1.0])])
@@ -112,11 +125,3 @@ def test_equal_frequencies_are_merged(listed) -> None:
     both = waves(build_sea_state(listed([0.7, 0.6, 0.7], [1.0, 0.5, 1.0], [0.0, 0.3, math.pi / 2])))
     assert both.omega.tolist() == [0.6, 0.7]
     assert both.amplitude[1] == pytest.approx(1.0 - 1.0j, abs=1e-15)
-
-
-def test_components_of_several_directions_are_refused(listed) -> None:
-    case = listed([0.5, 0.6], [1.0, 1.0], [0.0, 0.0], direction=[10.0, 20.0])
-    with pytest.raises(InputError, match=r"components\.direction_deg .*short-crested seas are not"):
-        build_sea_state(case)
-    same = listed([0.5, 0.6], [1.0, 1.0], [0.0, 0.0], direction=[-90.0, 270.0])
-    assert build_sea_state(same).direction_deg == -90.0

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Complex, Float
 
-from owt_model.config import CaseConfig, Components
+from owt_model.config import SEA_SOURCES, CaseConfig, Components, SeaStateConfig
 from owt_model.contracts import SeaState
 from owt_model.errors import InputError
-from owt_wave_node.core import spectrum
 from owt_wave_node.core.dispersion import wavenumber
+from owt_wave_node.core.focus import focused
+from owt_wave_node.core.realisation import realise
+from owt_wave_node.core.spectrum import peak_enhancement
+from owt_wave_node.core.spreading import mean_direction
 
 __all__ = ["Frame", "Waves", "build_sea_state", "sea_field", "waves"]
 
@@ -45,86 +49,110 @@ class Frame:
         return np.asarray(vectors @ self.axes)
 
 
+#: The field that sets the height of the waves, for every way to give the sea.
+HEIGHT_FIELDS = {
+    "sea_state": "sea_state.hs_m",
+    "components": "components.amplitude_m",
+    "spectrum_file": "spectrum_file.path",
+    "measured": "measured.path",
+    "regular": "regular.height_m",
+}
+
+
+def _source(case: CaseConfig) -> str:
+    """Key of the case that gives its sea: the one of :data:`SEA_SOURCES` that is set."""
+    return next(name for name in SEA_SOURCES if getattr(case, name) is not None)
+
+
 def sea_field(case: CaseConfig) -> str:
     """Name of the field of `case` that sets the height of the waves."""
-    return "components.amplitude_m" if case.components is not None else "sea_state.hs_m"
-
-
-def _one_direction(components: Components) -> float:
-    """Direction of listed components in degrees; refuses more than one."""
-    given = components.direction_deg
-    if not isinstance(given, tuple):
-        return float(given)
-    different = [b for b in given if (b - given[0]) % 360.0 != 0.0]
-    if different:
-        raise InputError(
-            "components.direction_deg",
-            different[0],
-            f"differs from {given[0]}; short-crested seas are not available yet",
-            "Give one direction for all components.",
-        )
-    return float(given[0])
+    return HEIGHT_FIELDS[_source(case)]
 
 
 def build_sea_state(case: CaseConfig) -> SeaState:
-    """Return the components of the sea of `case`, realised from the spectrum or as listed.
+    """Return the components of the sea of `case`: realised from its spectrum, listed, or of a regular wave.
 
     Raises
     ------
     InputError
-        If no component lies in the band, or components travel in different directions.
+        If no component lies in the band, or the sea is still in a file.
     """
-    depth, gravity = case.water_depth_m, case.gravity_m_s2
-    extra: dict[str, float | int] = {}
+    if case.sea_state is not None:
+        return _realised(case, case.sea_state)
     if case.components is not None:
-        listed = case.components
-        omega, amplitude, phase = (
-            np.array(values, dtype=float)
-            for values in (listed.omega_rad_s, listed.amplitude_m, listed.phase_rad)
-        )
-        direction = _one_direction(listed)
-        extra = {"cutoff_rad_s": float(omega.max())}
-    else:
-        sea = case.sea_state
-        assert sea is not None  # CaseConfig holds one of the two
-        gamma = spectrum.gamma_rule(sea.hs_m, sea.tp_s) if sea.gamma is None else sea.gamma
-        omega, amplitude, phase = spectrum.components(
-            hs=sea.hs_m,
-            tp=sea.tp_s,
-            gamma=gamma,
-            cutoff_over_peak=sea.cutoff_over_peak,
-            duration=case.time.duration_s,
-            seed=sea.seed,
-        )
-        direction = float(sea.direction_deg)
-        extra = {
-            "hs_m": sea.hs_m,
-            "tp_s": sea.tp_s,
-            "gamma": gamma,
-            "seed": sea.seed,
-            "cutoff_rad_s": sea.cutoff_over_peak * 2.0 * np.pi / sea.tp_s,
-        }
+        return _listed(case, case.components)
+    if case.regular is not None:
+        from owt_wave_node.core.regular import regular_sea_state  # here: that module needs this one
+
+        return regular_sea_state(case)
+    raise InputError(
+        f"{_source(case)}.path",
+        getattr(case, _source(case)).path,
+        "is not read here: the components of this sea are not known yet",
+        "Turn the file into components first, with owt_wave_node.sea_source.resolve_case.",
+    )
+
+
+def _realised(case: CaseConfig, sea: SeaStateConfig) -> SeaState:
+    """Sea realised from a spectrum, with its focused crest where one is wanted."""
+    gravity = case.gravity_m_s2
+    realised = realise(sea, duration=case.time.duration_s, gravity=gravity)
+    k = wavenumber(realised.omega, water_depth=case.water_depth_m, gravity=gravity)
+    amplitude, phase = realised.amplitude, realised.phase
+    if sea.focus is not None:
+        amplitude, phase = focused(sea.focus, realised, k)
+    return SeaState(
+        omega_rad_s=realised.omega,
+        amplitude_m=amplitude,
+        phase_rad=phase,
+        wavenumber_rad_m=k,
+        component_direction_deg=realised.direction_deg,
+        direction_deg=float(sea.direction_deg),
+        hs_m=sea.hs_m,
+        tp_s=sea.tp_s,
+        gamma=peak_enhancement(sea, gravity=gravity),
+        seed=sea.seed,
+        cutoff_rad_s=2.0 * np.pi * sea.cutoff_hz(gravity),
+        source="sea_state",
+        **_water(case),
+    )
+
+
+def _listed(case: CaseConfig, listed: Components) -> SeaState:
+    """Sea given by its components; its heading is their direction, or the mean weighted by energy."""
+    omega, amplitude, phase = (
+        np.array(values, dtype=float) for values in (listed.omega_rad_s, listed.amplitude_m, listed.phase_rad)
+    )
+    direction = np.broadcast_to(np.array(listed.direction_deg, dtype=float), omega.shape).copy()
     return SeaState(
         omega_rad_s=omega,
         amplitude_m=amplitude,
         phase_rad=phase,
-        wavenumber_rad_m=wavenumber(omega, water_depth=depth, gravity=gravity),
-        direction_deg=direction,
-        component_direction_deg=np.full(omega.size, direction),
-        water_depth_m=depth,
-        gravity_m_s2=gravity,
-        density_kg_m3=case.density_kg_m3,
-        order=case.wave.order,
-        stretching=case.wave.stretching,
-        dt_s=case.time.dt_s,
-        n=case.time.n,
-        **extra,  # type: ignore[arg-type]
+        wavenumber_rad_m=wavenumber(omega, water_depth=case.water_depth_m, gravity=case.gravity_m_s2),
+        component_direction_deg=direction,
+        direction_deg=mean_direction(direction, amplitude**2),
+        cutoff_rad_s=float(omega.max()),
+        source="components",
+        **_water(case),
     )
+
+
+def _water(case: CaseConfig) -> dict[str, Any]:
+    """Fields of a sea state that do not depend on where the sea comes from."""
+    return {
+        "water_depth_m": case.water_depth_m,
+        "gravity_m_s2": case.gravity_m_s2,
+        "density_kg_m3": case.density_kg_m3,
+        "order": case.wave.order,
+        "stretching": case.wave.stretching,
+        "dt_s": case.time.dt_s,
+        "n": case.time.n,
+    }
 
 
 @dataclass(frozen=True)
 class Waves:
-    """Components in ascending frequency, one per frequency, those without energy left out.
+    """Components in ascending frequency, one per frequency and direction, those without energy left out.
 
     Attributes
     ----------
@@ -154,17 +182,21 @@ class Waves:
 
 
 def waves(sea: SeaState) -> Waves:
-    """Sort the components of `sea`, merge those of one frequency and drop those without energy."""
-    omega, first, group = np.unique(sea.omega_rad_s, return_index=True, return_inverse=True)
-    amplitude = np.zeros(omega.size, dtype=complex)
+    """Sort the components of `sea`, merge those of one frequency and direction, drop those without energy."""
+    # Within half a turn of the heading; whole turns vanish exactly, so that long crests stay long.
+    turned = (sea.component_direction_deg - sea.direction_deg + 180.0) % 360.0 - 180.0
+    key = np.column_stack((sea.omega_rad_s, np.round(turned, 9)))  # directions equal but for round-off
+    _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    amplitude = np.zeros(first.size, dtype=complex)
     np.add.at(amplitude, group, sea.amplitude_m * np.exp(-1j * sea.phase_rad))
     keep = np.abs(amplitude) > NEGLIGIBLE * np.abs(amplitude).max()
     if not keep.any():
         keep[0] = True  # a flat sea keeps one component of zero amplitude
+    first = first[keep]
     return Waves(
-        omega=omega[keep],
-        wavenumber=sea.wavenumber_rad_m[first][keep],
-        angle=np.zeros(int(keep.sum())),
+        omega=sea.omega_rad_s[first],
+        wavenumber=sea.wavenumber_rad_m[first],
+        angle=np.deg2rad(turned[first]),
         amplitude=amplitude[keep],
         depth=sea.water_depth_m,
         gravity=sea.gravity_m_s2,

@@ -1,17 +1,40 @@
-"""JONSWAP spectrum and its realisation by components with random phases."""
+"""Variance spectra S(f) of a sea: JONSWAP, Pierson-Moskowitz, Ochi-Hubble and Torsethaugen.
+
+Every shape is a pure function of frequency in Hz; :data:`SHAPES` names them all as the case file does.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 
+from owt_model.config import CaseConfig, SeaStateConfig
 from owt_model.errors import InputError
 
-__all__ = ["components", "gamma_rule", "jonswap", "phases"]
+__all__ = [
+    "SHAPES",
+    "System",
+    "band_variance",
+    "density",
+    "gamma_rule",
+    "jonswap",
+    "most_probable_systems",
+    "ochi_hubble",
+    "peak_enhancement",
+    "pierson_moskowitz",
+    "spectral_density",
+    "torsethaugen",
+    "torsethaugen_systems",
+]
 
-Array = Float[np.ndarray, " component"]
+Array = Float[np.ndarray, " frequency"]
+
+#: Share of the variance of Hs that a band must hold: below it, the sea would be all tail.
+LEAST_SHARE = 1e-6
 
 
 def gamma_rule(hs: float, tp: float) -> float:
@@ -22,60 +45,227 @@ def gamma_rule(hs: float, tp: float) -> float:
     return math.exp(5.75 - 1.15 * ratio) if ratio <= 5.0 else 1.0
 
 
-def jonswap(frequency: Array, *, hs: float, tp: float, gamma: float) -> Array:
-    """Variance density S(f) in m2/Hz of the JONSWAP spectrum [eq. 2.37].
+def pierson_moskowitz(frequency: Array, *, hs: float, tp: float) -> Array:
+    """Variance density S(f) in m2/Hz of the Pierson-Moskowitz spectrum [eq. 2.36].
 
-    The energy scale is that of DNV-RP-C205, (1 - 0.287 ln gamma) 5/16 Hs^2 fp^4, which gives
-    4 sqrt(m0) = Hs to about a percent over all frequencies; :func:`components` normalises exactly.
+    The energy scale alpha g^2 (2 pi)^-4 is 5/16 Hs^2 fp^4: then 4 sqrt(m0) = Hs over all frequencies.
 
     Parameters
     ----------
-    frequency : float array [component]
+    frequency : float array [frequency]
+        Frequencies f in Hz, > 0.
+    hs, tp : float
+        Significant wave height in m, peak period in s.
+    """
+    f, f_p = frequency, 1.0 / tp
+    return np.asarray(5.0 / 16.0 * hs**2 * f_p**4 * f**-5.0 * np.exp(-1.25 * (f / f_p) ** -4.0))
+
+
+def _enhancement(ratio: Array, gamma: float) -> Array:
+    """Peak enhancement gamma^exp(-(f/fp - 1)^2 / (2 sigma^2)) at f/fp [eq. 2.37]."""
+    sigma = np.where(ratio <= 1.0, 0.07, 0.09)
+    return np.asarray(gamma ** np.exp(-0.5 * ((ratio - 1.0) / sigma) ** 2))
+
+
+def jonswap(frequency: Array, *, hs: float, tp: float, gamma: float) -> Array:
+    """Variance density S(f) in m2/Hz of the JONSWAP spectrum [eq. 2.37].
+
+    The energy scale is that of DNV-RP-C205, 1 - 0.287 ln gamma times that of Pierson and Moskowitz, which
+    gives 4 sqrt(m0) = Hs to about a percent over all frequencies.
+
+    Parameters
+    ----------
+    frequency : float array [frequency]
         Frequencies f in Hz, > 0.
     hs, tp, gamma : float
         Significant wave height in m, peak period in s, peak enhancement.
     """
-    f, f_p = frequency, 1.0 / tp
-    sigma = np.where(f <= f_p, 0.07, 0.09)
-    peak = np.exp(-((f - f_p) ** 2) / (2.0 * sigma**2 * f_p**2))
-    scale = (1.0 - 0.287 * math.log(gamma)) * 5.0 / 16.0 * hs**2 * f_p**4
-    return np.asarray(scale * f**-5.0 * np.exp(-1.25 * (f / f_p) ** -4.0) * gamma**peak)
+    scale = 1.0 - 0.287 * math.log(gamma)
+    return scale * pierson_moskowitz(frequency, hs=hs, tp=tp) * _enhancement(frequency * tp, gamma)
 
 
-def phases(count: int, seed: int) -> Array:
-    """Phases in rad, uniform in (0, 2 pi), of components 1 to `count`.
+class System(NamedTuple):
+    """One of two wave systems: Hs in m, Tp in s, and lambda (Ochi-Hubble) or gamma (Torsethaugen)."""
 
-    They are ``2 pi * numpy.random.Generator(numpy.random.PCG64(seed)).random(count)``, in ascending
-    frequency: PCG64 and its conversion to doubles are fixed, so that a seed gives the same sea everywhere,
-    and a longer band begins with the phases of a shorter one.
+    hs: float
+    tp: float
+    shape: float
+
+
+def most_probable_systems(hs: float) -> tuple[System, System]:
+    """Ochi and Hubble's most probable swell and wind sea of a given total Hs in m (their table 2b).
+
+    Their heights 0.84 Hs and 0.54 Hs add up to 0.9986 Hs.
+
+    References
+    ----------
+    M. K. Ochi, E. N. Hubble, Six-parameter wave spectra, Proc. 15th Coastal Engineering Conf., 1976.
     """
-    return 2.0 * math.pi * np.random.Generator(np.random.PCG64(seed)).random(count)
+    swell = System(0.84 * hs, 2.0 * math.pi / (0.70 * math.exp(-0.046 * hs)), 3.00)
+    return swell, System(
+        0.54 * hs, 2.0 * math.pi / (1.15 * math.exp(-0.039 * hs)), 1.54 * math.exp(-0.062 * hs)
+    )
 
 
-def components(
-    *, hs: float, tp: float, gamma: float, cutoff_over_peak: float, duration: float, seed: int
-) -> tuple[Array, Array, Array]:
-    """Realise a JONSWAP sea: frequencies in rad/s, amplitudes in m, phases in rad.
+def ochi_hubble(frequency: Array, *, systems: tuple[System, System]) -> Array:
+    """Variance density S(f) in m2/Hz of the six-parameter spectrum of Ochi and Hubble (1976, eq. 9).
 
-    omega_m = m 2 pi / duration, m = 1, 2, ... up to cutoff_over_peak * 2 pi / tp. The amplitudes are
-    deterministic, sqrt(2 S df) [eq. 4.7], scaled so that 4 sqrt(sum a^2 / 2) is Hs exactly: the spectrum is
-    normalised within its band.
+    S(w) = 1/4 sum ((4 l + 1)/4 wp^4)^l / Gamma(l) Hs^2 / w^(4 l + 1) exp(-(4 l + 1)/4 (wp/w)^4): each system
+    has the variance Hs^2/16 whatever its shape l, and l = 1 is Pierson and Moskowitz.
+
+    Parameters
+    ----------
+    frequency : float array [frequency]
+        Frequencies f in Hz, > 0.
+    systems : pair of System
+        Hs, Tp and shape l of both systems.
+    """
+    total = np.zeros_like(frequency)
+    for hs, tp, shape in systems:
+        # With y = (4 l + 1)/4 (fp/f)^4, S = Hs^2/(4 f) y^l e^-y / Gamma(l); its logarithm cannot overflow.
+        y = (shape + 0.25) * (frequency * tp) ** -4.0
+        total += hs**2 / (4.0 * frequency) * np.exp(shape * np.log(y) - y - math.lgamma(shape))
+    return np.asarray(total)
+
+
+#: Constants of Torsethaugen and Haver (2004, table 1): a_f for a long fetch (370 km), a_e, a_u, a_10, a_1,
+#: k_g, b_1, a_20, a_2, a_3. The periods they scale are in s, the heights in m.
+A_F, A_E, A_U, A_10, A_1, K_G, B_1, A_20, A_2, A_3 = 6.6, 2.0, 25.0, 0.7, 0.5, 35.0, 2.0, 0.6, 0.3, 6.0
+#: Scale G0 of f^-4 exp(-f^-4) to unit area, as printed; exactly 4 / Gamma(3/4) = 3.264.
+G_0 = 3.26
+
+
+def torsethaugen_systems(hs: float, tp: float, *, gravity: float) -> tuple[System, System]:
+    """Primary and secondary system of a sea of Hs in m and Tp in s (Torsethaugen and Haver, 2004).
+
+    The period A_F Hs^(1/3) of the fully developed sea decides: below it the sea is wind dominated and the
+    rest is swell, above it swell dominated and the rest is wind sea. Hs1^2 + Hs2^2 = Hs^2. The shape is the
+    peak enhancement; below 1, where the rule of a wind sea can fall, it is taken as 1.
+
+    References
+    ----------
+    K. Torsethaugen, S. Haver, Simplified double peak spectral model for ocean waves, ISOPE 2004, paper
+    2004-JSC-193; DNV-RP-C205, 3.5.5 and appendix A.
+    """
+    developed, shortest = A_F * hs ** (1.0 / 3.0), A_E * math.sqrt(hs)
+
+    def enhancement(height: float, period: float) -> float:
+        return K_G * (2.0 * math.pi * height / (gravity * period**2)) ** (6.0 / 7.0)
+
+    if tp <= developed:
+        below = min(1.0, (developed - tp) / (developed - shortest))
+        share = A_10 + (1.0 - A_10) * math.exp(-((below / A_1) ** 2))
+        gamma, second_tp = enhancement(share * hs, tp), developed + B_1
+        rest = hs * math.sqrt(1.0 - share**2)
+    else:
+        above = min(1.0, (tp - developed) / (A_U - developed))
+        share = A_20 + (1.0 - A_20) * math.exp(-((above / A_2) ** 2))
+        rest = hs * math.sqrt(1.0 - share**2)
+        gamma, second_tp = enhancement(hs, developed) * (1.0 + A_3 * above), A_F * rest ** (1.0 / 3.0)
+    return System(share * hs, tp, max(1.0, gamma)), System(rest, second_tp, 1.0)
+
+
+def torsethaugen(frequency: Array, *, hs: float, tp: float, gravity: float) -> Array:
+    """Variance density S(f) in m2/Hz of the simplified two-peak spectrum of Torsethaugen and Haver (2004).
+
+    S = sum Hs^2 Tp / 16 G0 A_gamma n^-4 exp(-n^-4) gamma^exp(-(n - 1)^2 / (2 sigma^2)), n = f Tp, over the
+    systems of :func:`torsethaugen_systems`, A_gamma = (1 + 1.1 (ln gamma)^1.19) / gamma.
+
+    Parameters
+    ----------
+    frequency : float array [frequency]
+        Frequencies f in Hz, > 0.
+    hs, tp : float
+        Significant wave height in m, peak period in s of the primary system.
+    gravity : float
+        m/s2.
+    """
+    total = np.zeros_like(frequency)
+    for height, period, gamma in torsethaugen_systems(hs, tp, gravity=gravity):
+        if height == 0.0:
+            continue  # a fully developed sea has no second system, and that has no period
+        n = frequency * period
+        scale = height**2 * period / 16.0 * G_0 * (1.0 + 1.1 * math.log(gamma) ** 1.19) / gamma
+        total += scale * n**-4.0 * np.exp(-(n**-4.0)) * _enhancement(n, gamma)
+    return np.asarray(total)
+
+
+def peak_enhancement(sea: SeaStateConfig, *, gravity: float) -> float:
+    """Peak enhancement of the (primary) peak of `sea`; 0 for a spectrum that has none."""
+    if sea.spectrum == "jonswap":
+        return gamma_rule(sea.hs_m, sea.tp_s) if sea.gamma is None else sea.gamma
+    if sea.spectrum == "torsethaugen":
+        return torsethaugen_systems(sea.hs_m, sea.tp_s, gravity=gravity)[0].shape
+    return 1.0 if sea.spectrum == "pierson-moskowitz" else 0.0
+
+
+def _ochi_hubble_of(frequency: Array, sea: SeaStateConfig, gravity: float) -> Array:
+    if sea.systems is None:
+        return ochi_hubble(frequency, systems=most_probable_systems(sea.hs_m))
+    first, second = sea.systems
+    return ochi_hubble(frequency, systems=(System(*first), System(*second)))
+
+
+#: Density in m2/Hz at frequencies in Hz, of a sea state in gravity in m/s2: every shape of the case file.
+SHAPES: Mapping[str, Callable[[Array, SeaStateConfig, float], Array]] = {
+    "jonswap": lambda f, sea, g: jonswap(f, hs=sea.hs_m, tp=sea.tp_s, gamma=peak_enhancement(sea, gravity=g)),
+    "pierson-moskowitz": lambda f, sea, _: pierson_moskowitz(f, hs=sea.hs_m, tp=sea.tp_s),
+    "ochi-hubble": _ochi_hubble_of,
+    "torsethaugen": lambda f, sea, g: torsethaugen(f, hs=sea.hs_m, tp=sea.tp_s, gravity=g),
+}
+
+
+def density(sea: SeaStateConfig, frequency: Array, *, gravity: float) -> Array:
+    """Variance density in m2/Hz of `sea` at frequencies in Hz, > 0, as its formula gives it.
+
+    Neither the band nor ``scale`` enters: see :func:`spectral_density` for the sea that is realised.
+    """
+    return SHAPES[sea.spectrum](frequency, sea, gravity)
+
+
+def band_variance(
+    sea: SeaStateConfig, *, duration: float, gravity: float
+) -> tuple[Array, Float[np.ndarray, " frequency"]]:
+    """Frequencies in Hz of the components of `sea` in a record of `duration` s, and the variance of each.
+
+    It is S df [eq. 4.7], in m2. With scale ``band`` the variances add up to Hs^2/16 exactly; with ``formula``
+    they are what the formula gives.
 
     Raises
     ------
     InputError
-        If no component lies in the band.
+        If the band holds no component, or next to nothing of the spectrum.
     """
-    cutoff = cutoff_over_peak / tp
-    count = math.floor(cutoff * duration * (1.0 + 1e-12))
-    if count < 1:
+    numbers = sea.component_numbers(duration=duration, gravity=gravity)
+    f = np.arange(numbers.start, numbers.stop) / duration
+    variance = density(sea, f, gravity=gravity) / duration
+    total, wanted = float(np.sum(variance)), sea.hs_m**2 / 16.0
+    if not total >= LEAST_SHARE * wanted:
         raise InputError(
-            "time.n",
-            f"{duration:g} s",
-            f"is too short: no component lies below the cut-off {2.0 * math.pi * cutoff:.3g} rad/s",
-            "Use a longer record.",
+            "sea_state.cutoff_over_peak",
+            sea.cutoff_over_peak,
+            f"leaves {total / wanted:.1g} of the energy of Hs between the cut-in and the cut-off, from "
+            f"{f[0]:.3g} to {f[-1]:.3g} Hz",
+            "Widen the band to where the spectrum lies.",
         )
-    f = np.arange(1, count + 1) / duration
-    amplitude = np.sqrt(2.0 * jonswap(f, hs=hs, tp=tp, gamma=gamma) / duration)
-    amplitude *= hs / (4.0 * math.sqrt(0.5 * float(np.sum(amplitude**2))))
-    return 2.0 * math.pi * f, amplitude, phases(count, seed)
+    return f, variance * (wanted / total) if sea.scale == "band" else variance
+
+
+def spectral_density(case: CaseConfig) -> tuple[Array, Float[np.ndarray, " frequency"]]:
+    """Frequencies in Hz and variance density in m2/Hz of the sea state of `case`, as it is realised.
+
+    At the components of the record, within the band, with the scale of the case. Rayleigh amplitudes and a
+    focused crest are drawn about this.
+
+    Raises
+    ------
+    InputError
+        If the sea of the case is not a spectrum, or its band holds none of it.
+    """
+    if case.sea_state is None:
+        raise InputError(
+            "sea_state", None, "is needed: this sea is not given by a spectrum", "Give a sea state."
+        )
+    duration = case.time.duration_s
+    f, variance = band_variance(case.sea_state, duration=duration, gravity=case.gravity_m_s2)
+    return f, variance * duration

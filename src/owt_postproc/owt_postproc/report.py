@@ -21,7 +21,7 @@ from owt_postproc.figures import all_figures
 from owt_postproc.plot_style import Figure
 from owt_postproc.report_data import ReportData
 
-__all__ = ["render", "summary", "write_report"]
+__all__ = ["head_figures", "render", "summary", "write_report"]
 
 TABLE_ROWS = 30
 #: Figures that stand beside one another: two on the left, one on the right.
@@ -191,25 +191,35 @@ def _subtitle(data: ReportData) -> str:
     return " · ".join(parts)
 
 
-def _tiles(data: ReportData) -> str:
-    damage = float(data.fatigue.damage.max())
+def head_figures(data: ReportData) -> list[tuple[str, str]]:
+    """Label and value of the figures that a user wants to see first."""
     shear = 1e-6 * np.hypot(data.wave_force[:, 0], data.wave_force[:, 1]).max()
-    tiles = [
-        (f"{data.elevation_total.max():.2f} m", "highest crest"),
-        (f"{shear:.2f} MN", "largest base shear of the waves"),
+    figures = [
+        ("highest crest", f"{data.elevation_total.max():.2f} m"),
+        ("largest base shear of the waves", f"{shear:.2f} MN"),
     ]
     if data.tower_top is not None:
-        tiles.append((f"{np.hypot(*data.tower_top[:, :2].T).max():.3f} m", "largest tower-top displacement"))
-    tiles += [
-        (f"{1e-6 * data.fatigue.max_range.max():.1f} MPa", "largest stress range"),
+        top = np.hypot(*data.tower_top[:, :2].T).max()
+        figures.append(("largest tower-top displacement", f"{top:.3f} m"))
+    fatigue = data.fatigue
+    return [
+        *figures,
+        ("largest stress range", f"{1e-6 * fatigue.max_range.max():.1f} MPa"),
+        ("most damaged member end", data.end_name),
         (
-            _power(damage),
-            f"largest damage, at {data.end_name}; nominal stress, SCF {data.fatigue.scf:g}",
+            f"its damage in {fatigue.duration_s:.0f} s, nominal stress, SCF {fatigue.scf:g}",
+            _power(float(fatigue.damage.max())),
         ),
     ]
+
+
+def _tiles(data: ReportData) -> str:
     return (
         '<div class="tiles">'
-        + "".join(f'<div class="tile"><b>{_text(v)}</b><span>{_text(k)}</span></div>' for v, k in tiles)
+        + "".join(
+            f'<div class="tile"><b>{_text(value)}</b><span>{_text(label)}</span></div>'
+            for label, value in head_figures(data)
+        )
         + "</div>"
     )
 

@@ -27,9 +27,10 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.case_flags import case_from_flags
     from owt_bringup.graph import run_graph
     from owt_bringup.output import ProgressBar
-    from owt_bringup.results import print_table, result_rows, write_results
+    from owt_bringup.results import print_table, write_results
     from owt_model.structure import load_structure
     from owt_postproc.bag_report import bag_report
+    from owt_postproc.report import head_figures
 
     start = time.perf_counter()
     case = case_from_flags(options)
@@ -46,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     elapsed = time.perf_counter() - start
     print_table(
         [
-            *result_rows(data),
+            *head_figures(data),
             ("elapsed", f"{elapsed:.1f} s, of which the graph {graph_seconds:.1f} s"),
             ("bag", f"{options.bag} ({size / 1e6:.0f} MB)"),
             ("report", str(options.bag / "report.html")),

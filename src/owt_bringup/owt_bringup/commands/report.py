@@ -19,11 +19,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Read the bag and write its results."""
     from owt_bringup.output import prepare_folder
-    from owt_bringup.results import print_table, result_rows, write_results
+    from owt_bringup.results import print_table, write_results
     from owt_postproc.bag_report import bag_report
+    from owt_postproc.report import head_figures
 
     data = bag_report(options.bag)
     folder = prepare_folder(options.output or options.bag)
     write_results(data, folder)
-    print_table([*result_rows(data), ("report", str(folder / "report.html"))])
+    print_table([*head_figures(data), ("report", str(folder / "report.html"))])
     return 0

@@ -24,10 +24,11 @@ def run(options: argparse.Namespace) -> int:
     import time
 
     from owt_bringup.output import ProgressBar, prepare_folder, write_npz
-    from owt_bringup.results import print_table, result_rows, write_results
+    from owt_bringup.results import print_table, write_results
     from owt_campaign.pipeline import run_case
     from owt_model.config import load_case
     from owt_model.versions import versions
+    from owt_postproc.report import head_figures
 
     start = time.perf_counter()
     case = load_case(options.case)
@@ -56,5 +57,5 @@ def run(options: argparse.Namespace) -> int:
     write_results(data, folder)
     elapsed = time.perf_counter() - start
     speed = f"{elapsed:.1f} s, {case.time.duration_s / elapsed:.0f} times real time"
-    print_table([*result_rows(data), ("elapsed", speed), ("results", str(folder))])
+    print_table([*head_figures(data), ("elapsed", speed), ("results", str(folder))])
     return 0

@@ -211,9 +211,9 @@ def _mix(points: list[Spectrum], steps: list[Spectrum]) -> Spectrum:
     """Anderson's next iterate: the combination of the iterates with the smallest step, plus that step."""
     A, step = points[-1], steps[-1]
     if len(points) == 1:
-        return A + step
+        return np.asarray(A + step)
     d_point = np.array([A - other for other in points[:-1]])
     d_step = np.array([step - other for other in steps[:-1]])
     stacked = np.concatenate([d_step.real, d_step.imag], axis=1).T
     weight = np.linalg.lstsq(stacked, np.concatenate([step.real, step.imag]), rcond=1e-12)[0]
-    return np.asarray(A + step - weight @ (d_point + d_step), dtype=complex)
+    return np.asarray(A + step - weight @ (d_point + d_step))

@@ -13,7 +13,7 @@ from owt_model.config import SeaStateConfig
 from owt_wave_node.core.spectrum import band_variance
 from owt_wave_node.core.spreading import angle_of
 
-__all__ = ["Realisation", "amplitudes", "directions", "phases", "realise"]
+__all__ = ["Realisation", "amplitudes", "derived_numbers", "directions", "phases", "realise"]
 
 Array = Float[np.ndarray, " component"]
 
@@ -31,7 +31,7 @@ def phases(count: int, seed: int) -> Array:
     return 2.0 * math.pi * np.random.Generator(np.random.PCG64(seed)).random(count)
 
 
-def _derived(count: int, seed: int, stream: int) -> Array:
+def derived_numbers(count: int, seed: int, stream: int) -> Array:
     """Numbers uniform in [0, 1) of components 1 to `count`, from a stream of their own.
 
     ``PCG64(SeedSequence(seed, spawn_key=(stream,)))``: independent of the phases, which therefore do not
@@ -62,7 +62,7 @@ def amplitudes(
     """
     if kind == "deterministic":
         return np.sqrt(2.0 * variance)
-    drawn = _derived(first - 1 + variance.size, seed, AMPLITUDE_STREAM)[first - 1 :]
+    drawn = derived_numbers(first - 1 + variance.size, seed, AMPLITUDE_STREAM)[first - 1 :]
     return np.asarray(np.sqrt(-2.0 * variance * np.log1p(-drawn)))  # 1 - drawn lies in (0, 1]: no ln 0
 
 
@@ -74,7 +74,7 @@ def directions(count: int, seed: int, *, exponent: float) -> Array:
     locked and the sea is homogeneous and ergodic (Jefferys, 1987); its directional distribution is met on
     average over many components.
     """
-    return angle_of(_derived(count, seed, DIRECTION_STREAM), exponent)
+    return angle_of(derived_numbers(count, seed, DIRECTION_STREAM), exponent)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,8 @@ class SpectralStatistics:
     moment : tuple of float
         m_-1, m_0, ..., m_4 in m2 Hz^n.
     peak_period_s : float
-        Period of the largest density; of listed components that of the largest amplitude.
+        Period of the largest density. Of listed components 1 / f with f weighted by a^8 (Young 1995, Ocean
+        Eng. 22, 669-686), since the largest of random amplitudes may lie anywhere near the peak.
     """
 
     moment: tuple[float, ...]
@@ -93,7 +94,10 @@ def component_statistics(
     InputError
         If no component carries energy.
     """
-    return _statistics(omega / (2.0 * math.pi), 0.5 * amplitude**2, amplitude)
+    f, variance = omega / (2.0 * math.pi), 0.5 * amplitude**2
+    moment = _moments(f, variance)
+    weight = (variance / variance.max()) ** 4
+    return SpectralStatistics(moment, float(weight.sum() / (weight @ f)))
 
 
 def density_statistics(
@@ -108,16 +112,14 @@ def density_statistics(
     """
     width = np.gradient(frequency)
     width[[0, -1]] *= 0.5
-    return _statistics(frequency, density * width, density)
+    moment = _moments(frequency, density * width)
+    return SpectralStatistics(moment, 1.0 / float(frequency[density.argmax()]))
 
 
-def _statistics(
-    frequency: Float[np.ndarray, " f"], variance: Float[np.ndarray, " f"], height: Float[np.ndarray, " f"]
-) -> SpectralStatistics:
+def _moments(frequency: Float[np.ndarray, " f"], variance: Float[np.ndarray, " f"]) -> tuple[float, ...]:
     if not variance.sum() > 0.0:
         raise InputError("spectrum", 0.0, "holds no energy", "Check the amplitudes of the sea.")
-    moment = tuple(float(np.sum(frequency ** float(n) * variance)) for n in ORDERS)
-    return SpectralStatistics(moment, 1.0 / float(frequency[height.argmax()]))
+    return tuple(float(np.sum(frequency ** float(n) * variance)) for n in ORDERS)
 
 
 @dataclass(frozen=True)

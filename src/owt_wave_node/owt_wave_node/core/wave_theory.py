@@ -105,8 +105,9 @@ def harmonics(wavenumber: float, height: float, depth: float) -> tuple[float, fl
     Fenton (1985), J. Waterway 111, 216-234, table 1: eps B22, eps^2 B33, eps^3 B44, eps^4 B55, eps = k H/2.
     """
     kd, e = wavenumber * depth, 0.5 * wavenumber * height
-    S = 1.0 / math.cosh(min(2.0 * kd, 700.0))
-    C, coth = 1.0 - S, 1.0 / math.tanh(kd)
+    kd = min(kd, 300.0)  # deep beyond any doubt, and cosh stays finite
+    S = 1.0 / math.cosh(2.0 * kd)
+    C, coth = 2.0 * math.sinh(kd) ** 2 * S, 1.0 / math.tanh(kd)  # C = 1 - S without cancellation
     b22 = coth * (1.0 + 2.0 * S) / (2.0 * C)
     b33 = 3.0 * (1.0 + 3.0 * S + 3.0 * S**2 + 2.0 * S**3) / (8.0 * C**3)
     b44 = np.polyval([34.0, 67.0, 66.0, 122.0, 92.0, 24.0], S) * coth / (24.0 * (3.0 + 2.0 * S) * C**4)
@@ -121,8 +122,8 @@ def regular_regime(*, height: float, period: float, depth: float, gravity: float
     limit = breaking_height(k, depth)
     length = 2.0 * math.pi / k
     second, third, fourth, fifth = harmonics(k, height, depth)
-    # The sixth harmonic, by the ratio of the two before it.
-    left_out = ((1, second), (2, third), (3, fourth), (5, fifth * fifth / fourth))
+    sixth = fifth * fifth / fourth if fourth > 0.0 else 0.0  # by the ratio of the two before it
+    left_out = ((1, second), (2, third), (3, fourth), (5, sixth))
     order = next((n for n, ratio in left_out if ratio < NEGLIGIBLE), None)
     if height >= limit:
         theory = "breaking"

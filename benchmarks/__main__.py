@@ -89,7 +89,7 @@ def bench_waves(matmul: float) -> list[dict[str, Any]]:
 
 def bench_structure() -> list[dict[str, Any]]:
     """Integration of a system as large as the reduced turbine, against coupled Newmark in numpy."""
-    from owt_structure_node.core.newmark import Oscillators, integrate, static_state
+    from owt_structure_node.core.motion import Oscillators, integrate, static_state
 
     rng = np.random.default_rng(1)
     n, steps, h = 128, 30_000, 0.02

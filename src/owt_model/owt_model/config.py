@@ -161,6 +161,9 @@ class StructureConfig(Frozen):
     reduction: str = Field("CB10M10", description="full, CBnn, CBnnMmm or Mmm")
     damping: Damping = Field(default_factory=Damping)
     dt_s: float = Field(0.02, gt=0.0, le=60.0, description="integration step in s; divides time.dt_s")
+    integrator: Literal["newmark", "newmark-explicit", "generalised-alpha", "exact"] = Field(
+        "newmark", description="time integration; exact for loads linear in a step"
+    )
 
     @model_validator(mode="after")
     def _known_reduction(self) -> StructureConfig:

@@ -23,7 +23,7 @@ from owt_model.contracts import (
 from owt_model.errors import ComputationError
 from owt_model.mesh import Mesh
 from owt_model.reduction_name import parse_reduction
-from owt_structure_node.core.newmark import Motion, MotionState, Oscillators, integrate, static_state
+from owt_structure_node.core.motion import Motion, MotionState, Oscillators, integrate, static_state
 from owt_structure_node.core.recovery import (
     EndSections,
     add_fixed_end_forces,
@@ -148,7 +148,9 @@ def build_response_model(case: CaseConfig, mesh: Mesh, basis: LoadBasis | None) 
     strained = np.flatnonzero(end_force.reshape(len(end_force), -1).any(axis=1))
     return ResponseModel(
         description=describe(model, alpha, beta),
-        oscillators=Oscillators(model.omega_squared, rate, structure.dt_s, case.substeps),
+        oscillators=Oscillators(
+            model.omega_squared, rate, structure.dt_s, case.substeps, structure.integrator
+        ),
         load_step=case.time.dt_s,
         n_elements=mesh.n_elements,
         node_basis=model.node_basis,

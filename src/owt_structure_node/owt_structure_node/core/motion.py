@@ -1,20 +1,21 @@
-"""Time integration of the decoupled equations of motion (thesis appendix F).
+"""Motion of the decoupled equations (thesis appendix F): oscillators, their state, the driver over blocks.
 
-Damping is proportional, so that the assembled reduced model splits exactly into single oscillators;
-Newmark's method on the coupled system and on each mode give the same numbers, and a scalar recurrence
-replaces the matrix solve. gamma = 1/2 and beta = 1/4 (average acceleration): second order,
-unconditionally stable, no numerical damping.
+Damping is proportional, so that the assembled reduced model splits exactly into single oscillators; a
+method on the coupled system and on each mode gives the same numbers, and a scalar recurrence
+(:mod:`~owt_structure_node.core.integrators`) replaces the matrix solve.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
 
 from owt_model.errors import InputError
-from owt_structure_node.kernels.newmark import average_acceleration
+from owt_structure_node.core.integrators import Recurrence, recurrence
+from owt_structure_node.kernels.recurrence import advance
 
 __all__ = ["Motion", "MotionState", "Oscillators", "integrate", "static_state"]
 
@@ -33,18 +34,26 @@ class Oscillators:
         Integration step in s.
     substeps : int
         Integration steps per load step.
+    method : str
+        Name of the integrator, one of :data:`~owt_structure_node.core.integrators.METHODS`.
     """
 
     stiffness: Float[np.ndarray, " mode"]
     damping: Float[np.ndarray, " mode"]
     step: float
     substeps: int
+    method: str = "newmark"
 
     def __post_init__(self) -> None:
         if not (self.step > 0.0 and self.substeps >= 1):
             raise InputError(
                 "structure.dt_s", self.step, "must be > 0 s and divide the load step", "Use 0.02."
             )
+
+    @cached_property
+    def recurrence(self) -> Recurrence:
+        """What the method does in one step."""
+        return recurrence(self.method, self.stiffness, self.damping, self.step)
 
 
 @dataclass(frozen=True)
@@ -103,6 +112,7 @@ def integrate(
     rows = 1 + system.substeps * len(load)
     x, v, a = (np.empty((rows, load.shape[1])) for _ in range(3))
     x[0], v[0], a[0] = state.displacement, state.velocity, state.acceleration
-    average_acceleration(system.stiffness, system.damping, system.step, system.substeps, samples, x, v, a)
+    rule = system.recurrence
+    advance(rule.transition, rule.old, rule.new, system.substeps, samples, x, v, a)
     last = MotionState(x[-1].copy(), v[-1].copy(), a[-1].copy(), samples[-1].copy())
     return last, Motion(x[1:], v[1:], a[1:])

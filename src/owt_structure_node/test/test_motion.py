@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from owt_model.errors import InputError
-from owt_structure_node.core.newmark import MotionState, Oscillators, integrate, static_state
+from owt_structure_node.core.motion import MotionState, Oscillators, integrate, static_state
 
 
 def one(value):

@@ -1,0 +1,222 @@
+"""Second order of components that travel in different directions (Sharma and Dean 1981).
+
+With R = k tanh k d, s = sqrt(R), theta the angle between two components and K+- = |k_m +- k_n| as vectors,
+
+    D+- = {(s_m +- s_n) [s_n (k_m^2 - R_m^2) +- s_m (k_n^2 - R_n^2)] + 2 (s_m +- s_n)^2 (k_m.k_n -+ R_m R_n)}
+          / {(s_m +- s_n)^2 - K+- tanh K+- d}
+    B+- = 1/4 {[D+- - (k_m.k_n -+ R_m R_n)] / (s_m s_n) + R_m + R_n}
+
+written so that nothing cancels and nothing overflows at any depth or angle: with q = exp(-2 k d) and
+e = 2 q / (1 + q) = 1 - tanh k d,
+
+    k^2 - R^2         = 4 k^2 q / (1 + q)^2
+    k_m.k_n - R_m R_n = k_m k_n (e_m + e_n - e_m e_n - 2 sin^2 theta/2)
+    k_m.k_n + R_m R_n = k_m k_n (2 cos^2 theta/2 - e_m - e_n + e_m e_n)
+    K-^2 = (k_m - k_n)^2 + 4 k_m k_n sin^2 theta/2,   K+^2 = (k_m - k_n)^2 + 4 k_m k_n cos^2 theta/2
+
+Both denominators vanish only where two components coincide. At equal frequencies the difference potential is
+not forced, and D- / (omega_m - omega_n) tends to zero: the flow has no steady part, the elevation has.
+
+Pairs (m, n) are packed row by row: sums n = 0..m at m (m + 1) / 2 + n, differences n = 0..m - 1 at
+m (m - 1) / 2 + n.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+__all__ = ["elevation", "level_velocity", "tables", "transfer_pair", "warm_up"]
+
+#: A pair this much weaker than the strongest at its level cannot change the sum in double precision.
+NEGLIGIBLE = 1e-20
+#: Exponents below which exp(-x) underflows, and below which 1 + exp(-x) is 1.
+UNDERFLOW, LOST = 700.0, 40.0
+
+
+@njit(cache=True, nogil=True)
+def transfer_pair(k_m, k_n, omega_m, omega_n, angle, depth, gravity):
+    """D+, D- in rad2/m2, B+, B- in 1/m and K+, K- in rad/m of two components `angle` rad apart.
+
+    D- of two components of one frequency is 0; of one component with itself this is a choice of the Bernoulli
+    constant, of different directions it is the limit.
+    """
+    s_m, s_n = omega_m / math.sqrt(gravity), omega_n / math.sqrt(gravity)
+    q_m, q_n = math.exp(-2.0 * k_m * depth), math.exp(-2.0 * k_n * depth)
+    e_m, e_n = 2.0 * q_m / (1.0 + q_m), 2.0 * q_n / (1.0 + q_n)
+    c_m, c_n = 4.0 * k_m * k_m * q_m / (1.0 + q_m) ** 2, 4.0 * k_n * k_n * q_n / (1.0 + q_n) ** 2
+    sine, cosine = math.sin(0.5 * angle) ** 2, math.cos(0.5 * angle) ** 2
+    e, product = e_m + e_n - e_m * e_n, k_m * k_n
+    inner_plus, inner_minus = product * (e - 2.0 * sine), product * (2.0 * cosine - e)
+    wave_plus = math.sqrt((k_m - k_n) ** 2 + 4.0 * product * cosine)
+    wave_minus = math.sqrt((k_m - k_n) ** 2 + 4.0 * product * sine)
+    s = s_m + s_n
+    above = s * (s_n * c_m + s_m * c_n) + 2.0 * s * s * inner_plus
+    d_plus = above / (s * s - wave_plus * math.tanh(wave_plus * depth))
+    s, d_minus = s_m - s_n, 0.0
+    if s != 0.0:
+        above = s * (s_n * c_m - s_m * c_n) + 2.0 * s * s * inner_minus
+        d_minus = above / (s * s - wave_minus * math.tanh(wave_minus * depth))
+    # R_m + R_n - (k_m.k_n + R_m R_n) / (s_m s_n), written so that nothing cancels in deep water.
+    b_plus = 0.25 * ((d_plus - inner_plus) / (s_m * s_n) + s_m * s_m + s_n * s_n)
+    b_minus = 0.25 * ((d_minus - inner_plus) / (s_m * s_n) + s * s)
+    return d_plus, d_minus, b_plus, b_minus, wave_plus, wave_minus
+
+
+@njit(cache=True, nogil=True)
+def tables(
+    first, last, k, omega, angle, depth, gravity,
+    velocity_sum, velocity_difference, surface_sum, surface_difference,
+):  # fmt: skip
+    """Fill rows first <= m < last of the packed tables, mirrored pairs included.
+
+    The velocity tables hold, for amplitudes of 1 m, the factor before
+    (vector k_m +- k_n) [exp(K z) + exp(-K (z + 2 d))] in the horizontal velocity.
+    """
+    for m in range(first, last):
+        sums, differences = m * (m + 1) // 2, m * (m - 1) // 2
+        for n in range(m + 1):
+            d_plus, d_minus, b_plus, b_minus, wave_plus, wave_minus = transfer_pair(
+                k[m], k[n], omega[m], omega[n], angle[m] - angle[n], depth, gravity
+            )
+            twice = 1.0 if m == n else 2.0
+            common = 0.25 * twice * gravity * gravity / (omega[m] * omega[n])
+            value = common * d_plus / (omega[m] + omega[n]) / (1.0 + math.exp(-2.0 * wave_plus * depth))
+            velocity_sum[sums + n] = value if abs(value) > 1e-200 else 0.0
+            surface_sum[sums + n] = twice * b_plus
+            if n < m:
+                value = 0.0
+                if d_minus != 0.0:
+                    value = common * d_minus / (omega[m] - omega[n])
+                    value /= 1.0 + math.exp(-2.0 * wave_minus * depth)
+                velocity_difference[differences + n] = value
+                surface_difference[differences + n] = twice * b_minus
+
+
+@njit(cache=True, nogil=True)
+def _slots(m, count, sign, listed, j, slots, at):
+    """Slots of the pairs (m, n), n < count, at which their frequency omega_m + sign omega_n is kept."""
+    start = m * (m + 1) // 2 if sign > 0 else m * (m - 1) // 2
+    for n in range(count):
+        at[n] = slots[start + n] if listed else j[m] + sign * j[n]
+
+
+@njit(cache=True, nogil=True)
+def _row(table, m, count, sign, k_x, k_y, height, z, depth, strongest, rows):
+    """Factors of u, v and -i w of the pairs (m, n), n < count, at level z, into rows [3, n].
+
+    `height` are the moduli of the amplitudes; `strongest` is the largest velocity among the pairs so far.
+    Returns the range of n outside which pairs are negligible, and the new `strongest`.
+    """
+    start = m * (m + 1) // 2 if sign > 0 else m * (m - 1) // 2
+    for n in range(count):
+        x, y = k_x[m] + sign * k_x[n], k_y[m] + sign * k_y[n]
+        wave = math.sqrt(x * x + y * y)
+        rows[0, n], rows[1, n], rows[2, n] = 0.0, 0.0, 0.0
+        if -wave * z > UNDERFLOW:
+            continue
+        value = table[start + n] * math.exp(wave * z)
+        image = 2.0 * wave * (z + depth)
+        image = math.exp(-image) if image < LOST else 0.0
+        both = value * (1.0 + image)
+        rows[0, n], rows[1, n], rows[2, n] = both * x, both * y, value * (1.0 - image) * wave
+        strongest = max(strongest, abs(both) * wave * height[m] * height[n])
+    floor = strongest * NEGLIGIBLE
+    low, high = 0, count
+    while high > 0 and _largest(rows, high - 1) * height[m] * height[high - 1] <= floor:
+        high -= 1
+    while low < high and _largest(rows, low) * height[m] * height[low] <= floor:
+        low += 1
+    return low, high, strongest
+
+
+@njit(cache=True, nogil=True)
+def _largest(rows, n):
+    """Bound on the horizontal factor; the vertical one is smaller."""
+    return abs(rows[0, n]) + abs(rows[1, n])
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _add(rows, low, high, at, re, im, sign, a, b, out):
+    """Add rows * (a + i b) (re + i sign im) of the range low..high to the entries `at` of out [6, slot]."""
+    b_turned, a_turned = sign * b, sign * a
+    for n in range(low, high):
+        to = at[n]
+        real, imaginary = a * re[n] - b_turned * im[n], a_turned * im[n] + b * re[n]
+        out[0, to] += rows[0, n] * real
+        out[1, to] += rows[0, n] * imaginary
+        out[2, to] += rows[1, n] * real
+        out[3, to] += rows[1, n] * imaginary
+        out[4, to] += rows[2, n] * real
+        out[5, to] += rows[2, n] * imaginary
+
+
+@njit(cache=True, nogil=True)
+def _phases(x, y, k_x, k_y, amplitude, re, im):
+    """A exp(-i k.x) at points; [point, component]."""
+    for p in range(x.size):
+        for m in range(k_x.size):
+            phase = k_x[m] * x[p] + k_y[m] * y[p]
+            value = amplitude[m] * complex(math.cos(phase), -math.sin(phase))
+            re[p, m], im[p, m] = value.real, value.imag
+
+
+@njit(cache=True, nogil=True)
+def level_velocity(x, y, z, k_x, k_y, amplitude, depth, tables, listed, j, slots, out):
+    """Add the second-order velocities of points at one level z to out [point, 3, slot].
+
+    `tables` and `slots` are pairs (sums, differences). A pair is kept at the slot listed there, or where
+    `listed` is false at j_m +- j_n.
+    """
+    points, size = x.size, k_x.size
+    re, im = np.empty((points, size)), np.empty((points, size))
+    _phases(x, y, k_x, k_y, amplitude, re, im)
+    height = np.abs(amplitude)
+    rows, at = np.empty((3, size)), np.empty(size, dtype=np.int64)
+    total = np.zeros((points, 6, out.shape[2]))
+    strongest = 0.0
+    for m in range(size):
+        for sign, table, slot in ((1, tables[0], slots[0]), (-1, tables[1], slots[1])):
+            count = m + 1 if sign > 0 else m
+            low, high, strongest = _row(table, m, count, sign, k_x, k_y, height, z, depth, strongest, rows)
+            _slots(m, count, sign, listed, j, slot, at)
+            for p in range(points):
+                _add(rows, low, high, at, re[p], im[p], sign, re[p, m], im[p, m], total[p])
+    for p in range(points):
+        for i in range(out.shape[2]):
+            out[p, 0, i] += complex(total[p, 0, i], total[p, 1, i])
+            out[p, 1, i] += complex(total[p, 2, i], total[p, 3, i])
+            out[p, 2, i] += 1j * complex(total[p, 4, i], total[p, 5, i])
+
+
+@njit(cache=True, nogil=True)
+def elevation(x, y, k_x, k_y, amplitude, set_down, tables, listed, j, slots, out):
+    """Add the second-order elevation, mean `set_down` included, to out [point, slot]; slots as above."""
+    points, size = x.size, k_x.size
+    re, im = np.empty((points, size)), np.empty((points, size))
+    _phases(x, y, k_x, k_y, amplitude, re, im)
+    at = np.empty(size, dtype=np.int64)
+    for m in range(size):
+        for sign, table, slot in ((1, tables[0], slots[0]), (-1, tables[1], slots[1])):
+            count = m + 1 if sign > 0 else m
+            start = m * (m + 1) // 2 if sign > 0 else m * (m - 1) // 2
+            _slots(m, count, sign, listed, j, slot, at)
+            for p in range(points):
+                here = complex(re[p, m], im[p, m])
+                for n in range(count):
+                    out[p, at[n]] += table[start + n] * here * complex(re[p, n], sign * im[p, n])
+    for p in range(points):
+        out[p, 0] += set_down
+
+
+def warm_up() -> None:
+    """Compile the kernels."""
+    k, omega, x = np.array([0.04, 0.05]), np.array([0.6, 0.7]), np.zeros(1)
+    amplitude, j, slots = np.ones(2, dtype=complex), np.array([1, 2]), np.zeros(3, dtype=np.int32)
+    factors, angle = (np.ones(3), np.ones(1)), np.zeros(2)
+    tables(0, 2, k, omega, angle, 50.0, 9.81, *factors, np.empty(3), np.empty(1))
+    velocity, height = np.zeros((1, 3, 5), dtype=complex), np.zeros((1, 5), dtype=complex)
+    level_velocity(x, x, -1.0, k, k, amplitude, 50.0, factors, False, j, (slots, slots), velocity)
+    elevation(x, x, k, k, amplitude, -0.1, factors, False, j, (slots, slots), height)

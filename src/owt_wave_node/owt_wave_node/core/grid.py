@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
+from owt_wave_node.core.transform import plan_transform
+
 __all__ = ["FrequencyGrid", "frequency_grid"]
 
 #: Phase in rad by which a component may miss the grid over the record.
@@ -35,6 +37,28 @@ class FrequencyGrid:
     length: int
     oversampling: int
     n: int
+
+    def series(
+        self,
+        spectra: Complex[np.ndarray, "row signal bin"],
+        index: Int[np.ndarray, " some"],
+        *,
+        channels: int,
+    ) -> Float[np.ndarray, "some channel time"]:
+        """Real signals Re sum_j Y_j exp(i j spacing t) of the rows `index`, then their time derivatives.
+
+        As many channels in all as `channels`, an even number.
+        """
+        plan = plan_transform(self.length, spectra.shape[2])
+        if plan is None:
+            rates = 1j * self.spacing * np.arange(spectra.shape[2])
+            chosen = spectra[index]
+            full = np.concatenate([chosen, rates * chosen], axis=1)[:, :channels]
+            return self.signal(full)
+        series = plan.to_time(spectra, index, channels=channels, spacing=self.spacing)
+        if self.length == self.n:
+            return series
+        return np.ascontiguousarray(series[..., : self.n * self.oversampling : self.oversampling])
 
     def to_time(self, half_spectra: Complex[np.ndarray, "*batch bin"]) -> Float[np.ndarray, "*batch time"]:
         """Transform half coefficients (those an inverse real transform wants) to the n samples."""

@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["expand", "second_elevation", "second_velocity", "warm_up"]
+__all__ = ["second_elevation", "second_velocity", "warm_up"]
 
 #: Exponent below the dominant pair from which a pair cannot change the sum in double precision.
 NEGLIGIBLE = 40.0
@@ -182,31 +182,12 @@ def second_elevation(x, k, j, dense, amplitude, set_down, table_sum, table_diffe
         out[p, 0] += set_down
 
 
-@njit(cache=True, nogil=True)
-def expand(velocity, index, spacing, out):
-    """Fill out [point, 4, j] with half coefficients of u, w, du/dt, dw/dt of the points `index`.
-
-    Half, because an inverse real transform adds the conjugate; the mean is not halved.
-    """
-    n_j = velocity.shape[2]
-    for p in range(index.size):
-        for c in range(2):
-            source = velocity[index[p], c]
-            out[p, c, 0], out[p, 2 + c, 0] = source[0].real, 0.0
-            for i in range(1, n_j):
-                value = 0.5 * source[i]
-                rate = spacing * i
-                out[p, c, i] = value
-                out[p, 2 + c, i] = complex(-rate * value.imag, rate * value.real)
-
-
 def warm_up() -> None:
     """Compile the kernels."""
     k, x, j, amplitude = np.array([0.04, 0.05]), np.zeros(1), np.array([1, 2]), np.ones(2, dtype=complex)
-    velocity, elevation = np.zeros((1, 2, 5), dtype=complex), np.zeros((1, 5), dtype=complex)
+    velocity = np.zeros((1, 2, 5), dtype=complex)
     for dense in (True, False):
         second_velocity(
             x, x - 1.0, k, j, dense, amplitude, 50.0, 0.04, np.array([0, 2]), np.ones(3), np.ones(1), velocity
         )
-        second_elevation(x, k, j, dense, amplitude, -0.1, np.ones(3), np.ones(1), elevation)
-    expand(velocity, np.array([0]), 0.1, np.empty((1, 4, 5), dtype=complex))
+        second_elevation(x, k, j, dense, amplitude, -0.1, np.ones(3), np.ones(1), velocity[0])

@@ -68,14 +68,17 @@ class SeaState:
 def sea_facts(sea: Any) -> dict[str, Any]:
     """Scalars of a sea state, or of its message, that a report shows.
 
-    What only a spectrum has (Hs, Tp, gamma, seed) is None for a sea given by its components.
+    What only a spectrum has (Hs, Tp, gamma, seed) is None for a sea given otherwise, and so is the gamma of a
+    spectrum without peak enhancement.
     """
     names = ("direction_deg", "order", "stretching", "cutoff_rad_s", "water_depth_m", "duration_s")
     spectral = ("hs_m", "tp_s", "gamma", "seed")
     listed = not sea.hs_m > 0.0
-    return {name: None if listed else getattr(sea, name) for name in spectral} | {
-        name: getattr(sea, name) for name in names
-    }
+    facts = {name: None if listed else getattr(sea, name) for name in spectral}
+    facts |= {name: getattr(sea, name) for name in names}
+    if facts["gamma"] == 0.0:
+        facts["gamma"] = None
+    return facts
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,8 @@ def jonswap(frequency: Array, *, hs: float, tp: float, gamma: float) -> Array:
         Significant wave height in m, peak period in s, peak enhancement.
     """
     scale = 1.0 - 0.287 * math.log(gamma)
-    return scale * pierson_moskowitz(frequency, hs=hs, tp=tp) * _enhancement(frequency * tp, gamma)
+    unenhanced = pierson_moskowitz(frequency, hs=hs, tp=tp)
+    return np.asarray(scale * unenhanced * _enhancement(frequency * tp, gamma))
 
 
 class System(NamedTuple):
@@ -150,7 +151,7 @@ def torsethaugen_systems(hs: float, tp: float, *, gravity: float) -> tuple[Syste
     developed, shortest = A_F * hs ** (1.0 / 3.0), A_E * math.sqrt(hs)
 
     def enhancement(height: float, period: float) -> float:
-        return K_G * (2.0 * math.pi * height / (gravity * period**2)) ** (6.0 / 7.0)
+        return K_G * math.pow(2.0 * math.pi * height / (gravity * period**2), 6.0 / 7.0)
 
     if tp <= developed:
         below = min(1.0, (developed - tp) / (developed - shortest))

@@ -7,14 +7,18 @@ import math
 import numpy as np
 import pytest
 
+from owt_model.axes import rotation
 from owt_model.errors import InputError
 from owt_wave_node.core import loads as loads_module
 from owt_wave_node.core.dispersion import wavenumber
-from owt_wave_node.core.hydro_mesh import build_hydro_mesh
+from owt_wave_node.core.hydro_mesh import _wet, build_hydro_mesh
 from owt_wave_node.core.kinematics import wave_kinematics
 from owt_wave_node.core.loads import Loads, jacket_loads
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import build_sea_state, waves
+from owt_wave_node.kernels import morison as morison_kernel
+from owt_wave_node.kernels.sections import sectional
+from owt_wave_node.kernels.surface import surface_loads
 
 RHO, G, DIAMETER = 1025.0, 9.81, 1.5
 AREA = math.pi * DIAMETER**2 / 4.0
@@ -48,14 +52,14 @@ def test_reference_jacket(name: str, order: int, limit: float, recorded, referen
 
 def test_reference_jacket_would_notice_upright_members(recorded, reference, oc4, monkeypatch) -> None:
     """The wrong variant: element z taken to be horizontal, as if every member were upright."""
-    build = loads_module.build_hydro_mesh
+    build = loads_module.case_hydro_mesh
 
     def upright(*args, **options):
         hydro = build(*args, **options)
         hydro.element_axes[:] = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
         return hydro
 
-    monkeypatch.setattr(loads_module, "build_hydro_mesh", upright)
+    monkeypatch.setattr(loads_module, "case_hydro_mesh", upright)
     case = recorded("A", wave={"order": 1, "stretching": "taylor"}, morison=morison(dx=0.5))
     with pytest.raises(AssertionError):
         check_reference(jacket_loads(case, oc4), reference["A"], "load_linear_dx025", 5e-3)
@@ -165,28 +169,12 @@ def test_nodal_loads_are_in_equilibrium_with_the_distributed_force(listed, colum
 
 def test_beam_under_uniform_load_has_textbook_end_moments(listed, column) -> None:
     """A uniform q on a clamped element: fixed-end forces qL/2 and moments qL^2/12 of opposite signs."""
-    from owt_wave_node.kernels import morison as kernel
-
     place, length, q = np.linspace(0.0, 1.0, 6), 7.0, 1000.0
-    weights, rows = np.empty((5, 2, 4)), np.zeros((8, 3))
-    kernel.segment_weights(place, length, weights)
-    motion = np.zeros((6, 4, 3))
-    motion[:, 2:] = 1.0
-    kernel.run_loads(
-        motion,
-        place - 9.0,
-        np.zeros((0, 0)),
-        False,
-        np.array([1.0, 0.0, 1.0]),
-        q,
-        0.0,
-        place,
-        length,
-        weights,
-        rows,
-    )
+    weights, rows = np.empty((5, 2, 6)), np.zeros((10, 3))
+    morison_kernel.segment_weights(place, length, 1, False, weights)
+    morison_kernel.add_stations(np.full((6, 3, 3), q), _wet(weights)[0], rows)
     f, m = q * length / 2.0, q * length**2 / 12.0
-    assert rows[:, 0] == pytest.approx([f, m, f, -m, f, -m, f, m], rel=1e-13)
+    assert rows[:, 0] == pytest.approx([f, m, f, -m, f, -m, f, m, f, f], rel=1e-13)
 
 
 def test_fixed_end_forces_are_those_of_the_nodal_loads(listed, column) -> None:
@@ -210,26 +198,39 @@ def jump(force: np.ndarray) -> float:
     return float(np.abs(np.diff(force)).max() / np.ptp(force))
 
 
-def test_no_step_when_a_station_wets_or_dries() -> None:
-    """A surface that rises steadily past the stations of an inclined element: the force grows steadily."""
-    from owt_wave_node.kernels import morison as kernel
+RULES = {
+    "linear": (0, 1),
+    "quadratic": (0, 2),
+    "constant": (1, 1),
+    "midpoint": (2, 1),
+    "midpoint, three nodes": (2, 2),
+}
 
-    n, place = 4001, np.linspace(0.0, 1.0, 6)
-    length, z = 6.0, np.linspace(-2.0, 3.0, 6)
-    weights, rows = np.empty((5, 2, 4)), np.zeros((8, n))
-    kernel.segment_weights(place, length, weights)
-    eta = np.broadcast_to(np.linspace(-2.5, 3.5, n), (6, n)).copy()
-    motion = np.ones((6, 4, n)) * (1.0 + 0.1 * z[:, None, None])
-    kernel.run_loads(motion, z, eta, True, np.array([0.3, 0.9, 0.4]), 5.0, 2.0, place, length, weights, rows)
-    for row in rows:
-        assert jump(row) < 5e-3
-    midpoint = (0.5 * (z[1:] + z[:-1])[:, None] <= eta[:-1]).astype(float).sum(axis=0)
-    assert jump(midpoint) > 5e-3  # the wrong variant: a segment is wet when its middle is
-    assert np.array_equal(rows[:, 0], np.zeros(8))
-    full = np.zeros((8, n))
-    kernel.run_loads(
-        motion, z, np.zeros((0, 0)), False, np.array([0.3, 0.9, 0.4]), 5.0, 2.0, place, length, weights, full
-    )
+
+@pytest.mark.parametrize("name", RULES)
+@pytest.mark.parametrize("channels", [4, 6])
+def test_no_step_when_a_station_wets_or_dries(name: str, channels: int) -> None:
+    """A surface that rises steadily past the stations of an inclined element: the force grows steadily."""
+    rule, stride = RULES[name]
+    n, length, size = 4001, 6.0, 5 * stride + 1
+    place, z = np.linspace(0.0, 1.0, size), np.linspace(-2.0, 3.0, size)
+    weights, rows, full = np.empty((5, stride + 1, 6)), np.zeros((10, n)), np.zeros((10, n))
+    morison_kernel.segment_weights(place, length, stride, rule == 1, weights)
+    eta = np.broadcast_to(np.linspace(-2.5, 3.5, n), (size, n)).copy()
+    motion = np.ones((size, channels, n)) * (1.0 + 0.1 * z[:, None, None])
+    axes, current = rotation(np.zeros(3), np.array([1.0, 2.0, 3.0])), np.full((size, 3), 0.2)
+    coefficient = np.column_stack([5.0 + 0.1 * z, 2.0 - 0.1 * z, 0.0 * z + 0.3, 0.0 * z + 0.1])
+    q = np.empty((size, 3, n))
+    sectional(motion, axes, coefficient, current, q)
+    surface_loads(q, motion, z, eta, rule, stride, axes, coefficient, current, place, length, weights, rows)
+    steps = [jump(row) for row in rows]
+    # A ramp over the element's 5 m in 3333 samples, at most some 30 times steeper than the mean.
+    if rule == 2:
+        assert min(steps) > 1e-2  # the wrong variant: a segment is wet when its middle is
+    else:
+        assert max(steps) < 1e-2
+    assert np.array_equal(rows[:, 0], np.zeros(10))
+    morison_kernel.add_stations(q, _wet(weights)[0], full)
     assert rows[:, -1] == pytest.approx(full[:, -1], rel=1e-13)
 
 
@@ -255,15 +256,15 @@ def test_mesh_below_the_bed_carries_nothing(listed, column) -> None:
 
 def test_stations_of_the_jacket(oc4) -> None:
     hydro = build_hydro_mesh(oc4, water_depth=50.0, longest=1.0)
-    length = hydro.element_length[hydro.segment_element] * np.diff(hydro.segment_place, axis=1)[:, 0]
+    runs = [run for member in hydro.runs for run in member]
+    length = np.concatenate([hydro.element_length[run.elements[0]] * np.diff(run.place) for run in runs])
     assert length.max() <= 1.0 + 1e-9
     assert length.min() > 0.0
     assert not np.any(oc4.is_tower[hydro.element])
     assert hydro.station[:, 2].min() >= -50.0 - 1e-9
-    below, above = hydro.station[:, 2] < -1e-9, hydro.station[:, 2] > 1e-9
-    for member in range(hydro.n_members):  # no segment spans still water
-        at = range(*hydro.member_station[member : member + 2])
-        assert not any((below[i] and above[i + 1]) or (above[i] and below[i + 1]) for i in at[:-1])
+    for run in runs:  # no segment spans still water
+        z = hydro.station[run.stations.start : run.stations.stop, 2]
+        assert z.max() <= 1e-9 or z.min() >= -1e-9
 
 
 def test_marine_growth_widens_the_zone_only(listed, column) -> None:

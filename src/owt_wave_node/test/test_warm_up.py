@@ -15,12 +15,12 @@ import json, sys
 from owt_model.config import parse_case
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
-from owt_wave_node.kernels import morison, spectra, transfer, wheeler, warm_up
+from owt_wave_node.kernels import morison, sections, spectra, surface, transfer, wheeler, warm_up
 
 def signatures():
     return {
         f"{module.__name__}.{name}": [str(s) for s in kernel.signatures]
-        for module in (morison, spectra, transfer, wheeler)
+        for module in (morison, sections, spectra, surface, transfer, wheeler)
         for name, kernel in vars(module).items()
         if hasattr(kernel, "signatures")
     }
@@ -34,7 +34,8 @@ short = {"time": {"dt_s": 0.1, "n": 60}, "points_m": [[0, 0, -5], [1, 2, 1]]}
 gaps = {"components": {"omega_rad_s": [1.04719755119659763, 2.09439510239319526, 4.18879020478639],
                        "amplitude_m": [0.1, 0.1, 0.1], "phase_rad": [0, 1, 2]}}
 wheeler_case, growth = {"wave": {"order": 1, "stretching": "wheeler"}}, {"morison": {"marine_growth": True}}
-for extra in ({}, gaps, wheeler_case, growth):
+full = {"current": {"speed_m_s": 0.5}, "morison": {"distribution": "quadratic", "axial_cd": 0.1}}
+for extra in ({}, gaps, wheeler_case, growth, full):
     case = parse_case(short | extra)
     wave_kinematics(case)
     build_wave_stage(case, mesh)
@@ -59,4 +60,4 @@ def test_warm_up_covers_what_a_run_needs() -> None:
 
 
 def test_warm_up_would_notice_a_kernel_left_out() -> None:
-    assert "owt_wave_node.kernels.morison.run_loads" in compiled_late("cold")
+    assert "owt_wave_node.kernels.surface.surface_loads" in compiled_late("cold")

@@ -7,21 +7,25 @@ result does not depend on the number of threads. Kinematics are held for one pie
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from owt_model.config import CaseConfig
-from owt_model.errors import ComputationError, InputError
+from owt_model.errors import ComputationError
+from owt_wave_node.core.coefficients import coefficient_at
+from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.field import Field, Prepared
-from owt_wave_node.core.hydro_mesh import HydroMesh
+from owt_wave_node.core.hydro_mesh import HydroMesh, Run
 from owt_wave_node.core.parallel import map_threads
 from owt_wave_node.core.sea import Frame
 from owt_wave_node.kernels import morison as _kernel
+from owt_wave_node.kernels.sections import sectional
+from owt_wave_node.kernels.surface import surface_loads
 
-__all__ = ["LoadHistory", "assemble"]
+__all__ = ["LoadHistory", "Sections", "assemble"]
 
 #: Bytes of kinematics per thread, and of coefficients, held at a time.
 MOTION_BYTES, PREPARED_BYTES = 16 * 2**20, 128 * 2**20
@@ -41,15 +45,54 @@ class LoadHistory:
         Equivalent nodal forces in N and moments in N m, global axes.
     element : int array [fixed]
         Loaded elements at member ends.
-    end_rows : float array [fixed, 8, time]
-        Equivalent nodal loads of these in element axes: Fy1, Mz1, Fy2, Mz2, Fz1, My1, Fz2, My2.
+    end_rows : float array [fixed, row, time]
+        Equivalent nodal loads of these in element axes: Fy1, Mz1, Fy2, Mz2, Fz1, My1, Fz2, My2, and, where
+        the case asks for loads along the members, Fx1, Fx2.
     """
 
     hydro: HydroMesh
     node: Int[np.ndarray, " loaded"]
     nodal: Float[np.ndarray, "loaded 6 time"]
     element: Int[np.ndarray, " fixed"]
-    end_rows: Float[np.ndarray, "fixed 8 time"]
+    end_rows: Float[np.ndarray, "fixed row time"]
+
+
+class Sections:
+    """What Morison's equation needs of a run besides the kinematics.
+
+    Per length of a member of diameter D, with v and a the components across it and v_x, a_x along it:
+    rho Cm pi D^2 / 4 a + rho Cd D / 2 |v| v [eq. 4.64, corrected], and along it
+    rho axial_ca pi D^2 / 4 a_x + rho axial_cd D / 2 |v_x| v_x (tangential drag of DNV-RP-C205, on D).
+    """
+
+    def __init__(self, case: CaseConfig, hydro: HydroMesh, frame: Frame) -> None:
+        morison, self._case, self._hydro = case.morison, case, hydro
+        self.axial = morison.axial_cd > 0.0 or morison.axial_ca > 0.0
+        z = hydro.station[:, 2]
+        self._factor = np.column_stack(
+            [
+                0.25 * np.pi * case.density_kg_m3 * coefficient_at(morison.cm, z),
+                0.5 * case.density_kg_m3 * coefficient_at(morison.cd, z),
+                np.full(z.size, 0.25 * np.pi * case.density_kg_m3 * morison.axial_ca),
+                np.full(z.size, 0.5 * case.density_kg_m3 * morison.axial_cd),
+            ]
+        )
+        #: Element axes x, y, z by row, in wave axes.
+        self.axes = np.ascontiguousarray(hydro.element_axes @ frame.axes.T)
+
+    def coefficient(self, run: Run) -> Float[np.ndarray, "station 4"]:
+        """Coefficients of :func:`~owt_wave_node.kernels.sections.sectional` at the stations of a run."""
+        d = run.diameter
+        factor = self._factor[run.stations.start : run.stations.stop]
+        return np.asarray(factor * np.array([d * d, d, d * d, d]))
+
+    def current(self, run: Run) -> Float[np.ndarray, "station 3"]:
+        """Velocity in m/s of the current at the stations of a run, in element axes."""
+        z = self._hydro.station[run.stations.start : run.stations.stop, 2].copy()
+        if self._case.current is None:
+            return np.zeros((z.size, 3))
+        turn = self._hydro.element_axes[run.elements[0]][:, :2]
+        return np.ascontiguousarray(current_velocity(self._case, z) @ turn.T)
 
 
 @dataclass(frozen=True)
@@ -115,12 +158,9 @@ class _Assembly:
     ) -> None:
         self.hydro, self.field, self.n = hydro, field, field.n
         self.lowest, self.highest = lowest, highest
-        cd, cm = case.morison.cd, case.morison.cm
-        if isinstance(cd, tuple) or isinstance(cm, tuple):
-            raise InputError("morison.cd", "a table", "is not available yet", "Give one number.")
-        rho, diameter = case.density_kg_m3, hydro.segment_diameter
-        self.inertia = 0.25 * np.pi * rho * cm * diameter**2  # kg/m
-        self.drag = 0.5 * rho * cd * diameter  # kg/m2
+        self.sections = Sections(case, hydro, frame)
+        self.rule = 2 if case.morison.surface == "midpoint" else int(case.morison.distribution == "constant")
+        self.n_rows = 10 if self.sections.axial else 8
         mesh = hydro.mesh
         self.node_row = np.full(mesh.n_nodes, -1, dtype=np.int64)
         self.node_row[hydro.node] = np.arange(hydro.node.size)
@@ -128,11 +168,8 @@ class _Assembly:
         self.fixed_row = np.full(mesh.n_elements, -1, dtype=np.int64)
         self.fixed_row[self.fixed] = np.arange(self.fixed.size)
         self.nodal = np.zeros((hydro.node.size, 6, self.n))
-        self.end_rows = np.zeros((self.fixed.size, 8, self.n))
-        # Components of element y along the waves, and of element z along the waves and upwards.
-        unit, axes = frame.axes[0], hydro.element_axes
-        self.axes = np.column_stack([axes[:, 1] @ unit, axes[:, 2] @ unit, axes[:, 2, 2]])
-        # Stations of the same x along the waves and the same z share their kinematics.
+        self.end_rows = np.zeros((self.fixed.size, self.n_rows, self.n))
+        # Stations of the same place share their kinematics; in plane waves so do those abreast.
         place = frame.place(hydro.station)
         if field.n_axes == 2:
             place[:, 1] = 0.0
@@ -140,88 +177,119 @@ class _Assembly:
         _, first, self.point = np.unique(key, axis=0, return_index=True, return_inverse=True)
         self.place = place[first]
 
-    def batches(self) -> list[list[int]]:
-        """Groups of members whose coefficients fit into memory together."""
-        limit = max(1, PREPARED_BYTES // (16 * self.n))
-        batches: list[list[int]] = [[]]
+    def batches(self) -> list[list[tuple[Run, ...]]]:
+        """Groups of members, as the runs that water can reach, whose coefficients fit into memory."""
+        limit = max(1, PREPARED_BYTES // (8 * self.field.n_axes * self.n))
+        batches: list[list[tuple[Run, ...]]] = [[]]
         held = 0
-        for member in range(self.hydro.n_members):
-            count = len(self.hydro.segments(member)) + 1
+        for member in self.hydro.runs:
+            reached = tuple(part for run in member if (part := self._reached(run)) is not None)
+            if not reached:
+                continue
+            count = reached[-1].stations.stop - reached[0].stations.start
             if batches[-1] and held + count > limit:
                 batches.append([])
                 held = 0
-            batches[-1].append(member)
+            batches[-1].append(reached)
             held += count
         return batches
 
-    def _segments(self, member: int) -> range:
-        """Segments of a member whose lower end the surface can reach: consecutive, a member is straight."""
-        z, every = self.hydro.station[:, 2], self.hydro.segments(member)
-        reached = [s for s in every if min(z[s + member], z[s + member + 1]) <= self.highest]
-        return range(reached[0], reached[-1] + 1) if reached else range(0)
+    def _reached(self, run: Run) -> Run | None:
+        """Segments of a run whose lower end the surface can reach: consecutive, a member is straight."""
+        if run.is_gauss:
+            return run
+        z = self.hydro.station[run.stations.start : run.stations.stop : run.stride, 2]
+        reached = np.flatnonzero(np.minimum(z[1:], z[:-1]) <= self.highest)
+        return run.cut(int(reached[0]), int(reached[-1]) + 1) if reached.size else None
 
-    def run(self, members: list[int]) -> None:
+    def run(self, members: list[tuple[Run, ...]]) -> None:
         """Prepare the kinematics of some members' stations, then load the members, in threads."""
-        active = [(m, segments) for m in members if (segments := self._segments(m))]
-        if not active:
+        if not members:
             return
-        stations = [np.arange(segments.start + m, segments.stop + m + 1) for m, segments in active]
+        stations = [np.arange(runs[0].stations.start, runs[-1].stations.stop) for runs in members]
         used, where = np.unique(self.point[np.concatenate(stations)], return_inverse=True)
         points = np.split(where, np.cumsum([len(part) for part in stations])[:-1])
         place = self.place[used]
         z = place[:, 2].copy()
-        # A segment that the surface can cross needs the elevation at both its ends.
+        # A segment that the surface can cross needs the elevation at all its stations.
         splash = np.zeros(used.size, dtype=bool)
-        for part in points:
-            crossed = (z[part[1:]] > self.lowest) | (z[part[:-1]] > self.lowest)
-            splash[part[1:][crossed]] = splash[part[:-1][crossed]] = True
+        for runs, part in zip(members, points, strict=True):
+            for run in runs:
+                if not run.is_gauss:
+                    at = part[run.stations.start - runs[0].stations.start :][: len(run.stations)]
+                    ends = z[at[:: run.stride]]
+                    crossed = np.flatnonzero(np.maximum(ends[1:], ends[:-1]) > self.lowest)
+                    for j in range(run.stride + 1):
+                        splash[at[run.stride * crossed + j]] = True
         eta = np.add(*self.field.elevation(place[splash])) if splash.any() else np.zeros((0, self.n))
         batch = _Batch(z, self.field.prepare(place), eta, np.where(splash, np.cumsum(splash) - 1, -1))
         # Long members first keeps the threads busy to the end.
-        tasks = sorted(
-            zip([segments for _, segments in active], points, strict=True), key=lambda task: -len(task[0])
-        )
+        tasks = sorted(zip(members, points, strict=True), key=lambda task: -len(task[1]))
         map_threads(lambda task: self._member(task[0], task[1], batch), tasks)
 
-    def _member(self, segments: range, points: Int[np.ndarray, " station"], batch: _Batch) -> None:
-        """Load one member; `points` are its stations' rows in the batch."""
-        hydro = self.hydro
-        chunk = max(1, MOTION_BYTES // (32 * self.n) - 1)
-        element, rows = -1, np.zeros((8, self.n))
-        for piece in (segments[i : i + chunk] for i in range(0, len(segments), chunk)):
-            offset = piece.start - segments.start
-            here = points[offset : offset + len(piece) + 1]
-            motion = batch.prepared.kinematics(here)
-            for run in self._runs(piece):
-                e = int(hydro.segment_element[run.start])
-                if e != element:
-                    self._finish(element, rows)
-                    element, rows = e, np.zeros((8, self.n))
-                at = slice(run.start - piece.start, run.stop - piece.start + 1)
-                z = batch.z[here[at]]
-                surface = bool((z > self.lowest).any())
-                cut = slice(run.start, run.stop)
-                _kernel.run_loads(
-                    motion[at],
-                    z,
-                    batch.level(here[at]) if surface else np.zeros((0, 0)),
-                    surface,
-                    self.axes[e],
-                    self.inertia[run.start],
-                    self.drag[run.start],
-                    np.append(hydro.segment_place[cut, 0], hydro.segment_place[run.stop - 1, 1]),
-                    hydro.element_length[e],
-                    hydro.weights[cut],
-                    rows,
-                )
-        self._finish(element, rows)
+    def _pieces(self, runs: tuple[Run, ...]) -> Iterator[list[Run]]:
+        """Runs in groups whose kinematics fit into memory together; long runs are cut."""
+        limit = max(4, MOTION_BYTES // (16 * self.field.n_axes * self.n))
+        piece: list[Run] = []
+        for whole in runs:
+            step = max(1, (limit - 1) // whole.stride)
+            count = len(whole.weights)
+            parts = [whole] if whole.is_gauss or count <= step else [
+                whole.cut(i, min(i + step, count)) for i in range(0, count, step)
+            ]  # fmt: skip
+            for run in parts:
+                if piece and run.stations.stop - piece[0].stations.start > limit:
+                    yield piece
+                    piece = []
+                piece.append(run)
+        yield piece
 
-    def _runs(self, piece: range) -> list[range]:
-        """Consecutive segments of one element and one diameter."""
-        element, diameter = self.hydro.segment_element[piece], self.hydro.segment_diameter[piece]
-        new = np.flatnonzero((np.diff(element) != 0) | (np.diff(diameter) != 0)) + 1
-        bounds = [0, *new.tolist(), len(piece)]
-        return [piece[a:b] for a, b in pairwise(bounds)]
+    def _member(self, runs: tuple[Run, ...], points: Int[np.ndarray, " station"], batch: _Batch) -> None:
+        """Load one member; `points` are its stations' rows in the batch."""
+        begin = runs[0].stations.start
+        open_rows: dict[int, Float[np.ndarray, "row time"]] = {}
+        for piece in self._pieces(runs):
+            first = piece[0].stations.start
+            motion = batch.prepared.kinematics(points[first - begin : piece[-1].stations.stop - begin])
+            for run in piece:
+                for e in [e for e in open_rows if e < run.elements[0]]:
+                    self._finish(e, open_rows.pop(e))
+                at = slice(run.stations.start - begin, run.stations.stop - begin)
+                here = motion[run.stations.start - first : run.stations.stop - first]
+                self._load(run, here, points[at], batch, open_rows)
+        for e, rows in open_rows.items():
+            self._finish(e, rows)
+
+    def _load(
+        self,
+        run: Run,
+        motion: Float[np.ndarray, "station channel time"],
+        points: Int[np.ndarray, " station"],
+        batch: _Batch,
+        open_rows: dict[int, Float[np.ndarray, "row time"]],
+    ) -> None:
+        """Add the loads of one run to the rows of its elements."""
+        sections = self.sections
+        axes, coefficient, current = (
+            sections.axes[run.elements[0]],
+            sections.coefficient(run),
+            sections.current(run),
+        )
+        q = np.empty((len(run.stations), 3 if sections.axial else 2, self.n))
+        sectional(motion, axes, coefficient, current, q)
+        z = batch.z[points]
+        for e in run.elements:
+            if e not in open_rows:
+                open_rows[e] = np.zeros((self.n_rows, self.n))
+        if not run.is_gauss and (z > self.lowest).any():
+            e = run.elements[0]
+            surface_loads(
+                q, motion, z, batch.level(points), self.rule, run.stride, axes, coefficient, current,
+                run.place, self.hydro.element_length[e], run.weights, open_rows[e],
+            )  # fmt: skip
+            return
+        for e, weights in zip(run.elements, run.wet, strict=True):
+            _kernel.add_stations(q, weights, open_rows[e])
 
     def _ends(self, e: int) -> tuple[Bool[np.ndarray, " 2"], Int[np.ndarray, " 2"]]:
         """Whether either end of element `e` is an end of its member, and the rows of its nodes."""
@@ -229,16 +297,14 @@ class _Assembly:
         outer = mesh.member_element[mesh.element_member[e]] == e
         return outer, self.node_row[mesh.element_node[e]]
 
-    def _finish(self, element: int, rows: Float[np.ndarray, "8 time"]) -> None:
+    def _finish(self, element: int, rows: Float[np.ndarray, "row time"]) -> None:
         """Keep the rows of an element at a member end; add them to the nodes inside the member."""
-        if element < 0:
-            return
         e, axes = int(self.hydro.element[element]), self.hydro.element_axes[element]
         if self.fixed_row[e] >= 0:
             self.end_rows[self.fixed_row[e]] = rows
         outer, node = self._ends(e)
         for side in np.flatnonzero(~outer):
-            _kernel.add_to_node(rows, int(side), axes[1], axes[2], self.nodal[node[side]])
+            _kernel.add_to_node(rows, int(side), axes, self.nodal[node[side]])
 
     def add_joints(self) -> None:
         """Add the member ends to the joints, in the order of the members."""
@@ -252,6 +318,6 @@ class _Assembly:
         def one(row: int) -> None:
             for e, side in ends[row]:
                 axes = self.hydro.element_axes[place[e]]
-                _kernel.add_to_node(self.end_rows[self.fixed_row[e]], side, axes[1], axes[2], self.nodal[row])
+                _kernel.add_to_node(self.end_rows[self.fixed_row[e]], side, axes, self.nodal[row])
 
         map_threads(one, ends)

@@ -182,7 +182,7 @@ def band_height(scale: str) -> float:
         for name in spectrum.SHAPES
         for cutoff in (1.5, 4.0)
         for realised in [
-            realise(sea_of(spectrum=name, scale=scale, cutoff_over_peak=cutoff), duration=600, gravity=G)
+            realise(sea_of(spectrum=name, scale=scale, cutoff_over_peak=cutoff), duration=600.0, gravity=G)
         ]
     )
 
@@ -194,7 +194,7 @@ SEEDS = range(400)
 
 def expected() -> np.ndarray:
     """S df of the default sea, without the lowest components, that underflow."""
-    variance = realise(sea_of(), duration=600, gravity=G).variance
+    variance = realise(sea_of(), duration=600.0, gravity=G).variance
     return variance[variance > 1e-12]
 
 

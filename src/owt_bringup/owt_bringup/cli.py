@@ -14,6 +14,7 @@ __all__ = ["main"]
 #: Command -> module with ``HELP``, ``add_arguments(parser)`` and ``run(arguments) -> int``.
 COMMANDS = {
     "demo": "owt_bringup.commands.demo",
+    "sea": "owt_bringup.commands.sea",
     "waves": "owt_bringup.commands.waves",
     "loads": "owt_bringup.commands.loads",
     "eigen": "owt_bringup.commands.eigen",

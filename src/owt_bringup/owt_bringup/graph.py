@@ -25,6 +25,7 @@ from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
 from owt_ros.parameters import parameter_yaml
 from owt_ros.topics import POSTPROC
+from owt_wave_node.sea_source import resolve_case
 
 __all__ = ["GraphResult", "Timeouts", "run_graph"]
 
@@ -196,6 +197,7 @@ def run_graph(
     KeyboardInterrupt
         On SIGINT, after everything was stopped.
     """
+    case = resolve_case(case)  # the bag's case must run again without the file of its sea
     bag, limits = Path(bag).absolute(), timeouts or Timeouts()
     if bag.exists() and not overwrite:
         raise InputError("bag", str(bag), "exists already", "Choose another name or remove it.")

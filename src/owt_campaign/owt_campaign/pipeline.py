@@ -26,6 +26,7 @@ from owt_postproc.core import stage as fatigue_stage
 from owt_postproc.report_data import ReportCollector, ReportData, mesh_geometry
 from owt_structure_node.core import stage as response_stage
 from owt_wave_node.core.stage import WaveStage, build_wave_stage
+from owt_wave_node.sea_source import resolve_case
 
 __all__ = ["CaseBlocks", "CaseResult", "CaseRun", "prepare_case", "run_case", "stream_case"]
 
@@ -101,7 +102,7 @@ class CaseResult:
 
 
 def prepare_case(case: CaseConfig) -> CaseRun:
-    """Build every stage of `case`.
+    """Build every stage of `case`; a sea in a file becomes one of components in the case that is returned.
 
     Raises
     ------
@@ -109,6 +110,7 @@ def prepare_case(case: CaseConfig) -> CaseRun:
         If the case, the structure or their combination is refused.
     """
     clock = StageClock()
+    case = resolve_case(case)
     mesh = build_mesh(load_structure(case.structure.model))
     fatigue = fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members)
     clock.lap("model")
@@ -188,7 +190,7 @@ def run_case(
             kept.append(blocks)
     sea = run.wave.sea_state
     report = collector.finish(
-        case=case.model_dump(mode="json"),
+        case=run.case.model_dump(mode="json"),
         reduced=run.response.description,
         fatigue=fatigue_stage.final(run.fatigue, state),
         geometry=mesh_geometry(run.mesh),

@@ -16,6 +16,7 @@ from owt_ros.lifecycle import StageNode
 from owt_ros.pace import Pace
 from owt_ros.process import interruptible, run
 from owt_wave_node.core.stage import build_wave_stage
+from owt_wave_node.sea_source import resolve_case
 
 __all__ = ["WaveNode", "main"]
 
@@ -28,6 +29,7 @@ class WaveNode(StageNode):
     def configure(self, case: CaseConfig) -> None:
         """Compute the record."""
         with interruptible():
+            case = resolve_case(case)
             mesh = build_mesh(load_structure(case.structure.model))
             self._stage = build_wave_stage(case, mesh)
             basis = self._stage.load_basis(parse_reduction(case.structure.reduction).load_vectors)

@@ -19,11 +19,11 @@ def run(options: argparse.Namespace) -> int:
     import numpy as np
 
     from owt_bringup.output import write_npz
-    from owt_model.config import load_case
+    from owt_bringup.sea_notes import load_resolved_case, print_warnings
     from owt_model.mesh import build_mesh
     from owt_model.structure import load_structure
 
-    case = load_case(options.case)  # before the costly imports: bad input is refused at once
+    case = load_resolved_case(options.case)  # before the costly imports: bad input is refused at once
     mesh = build_mesh(load_structure(case.structure.model))
     from owt_wave_node.core.loads import jacket_loads
 
@@ -33,4 +33,5 @@ def run(options: argparse.Namespace) -> int:
     arrays["node_position_m"] = mesh.node_position
     arrays["node_name"] = np.array(mesh.node_name)
     write_npz(options.output, arrays)
+    print_warnings(case, mesh.structure)
     return 0

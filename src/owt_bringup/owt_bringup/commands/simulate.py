@@ -25,13 +25,14 @@ def run(options: argparse.Namespace) -> int:
 
     from owt_bringup.output import ProgressBar, prepare_folder, write_npz
     from owt_bringup.results import print_table, write_results
+    from owt_bringup.sea_notes import load_resolved_case, print_warnings
     from owt_campaign.pipeline import run_case
-    from owt_model.config import load_case
+    from owt_model.structure import load_structure
     from owt_model.versions import versions
     from owt_postproc.report import head_figures
 
     start = time.perf_counter()
-    case = load_case(options.case)
+    case = load_resolved_case(options.case)
     folder = prepare_folder(options.output)
     bar = ProgressBar("simulate")
     result = run_case(case, keep_series=options.full, versions=versions(), progress=bar.callback)
@@ -58,4 +59,5 @@ def run(options: argparse.Namespace) -> int:
     elapsed = time.perf_counter() - start
     speed = f"{elapsed:.1f} s, {case.time.duration_s / elapsed:.0f} times real time"
     print_table([*head_figures(data), ("elapsed", speed), ("results", str(folder))])
+    print_warnings(case, load_structure(case.structure.model))
     return 0

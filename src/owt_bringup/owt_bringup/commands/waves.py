@@ -17,12 +17,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Compute and write t, eta1, eta2, velocity, acceleration, velocity2, acceleration2 and wet."""
     from owt_bringup.output import write_npz
-    from owt_model.config import load_case
+    from owt_bringup.sea_notes import load_resolved_case, print_warnings
 
-    case = load_case(options.case)  # before the costly imports: bad input is refused at once
+    case = load_resolved_case(options.case)  # before the costly imports: bad input is refused at once
     from owt_wave_node.core.kinematics import wave_kinematics
 
     result = wave_kinematics(case)
     names = ("t", "eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2", "wet")
     write_npz(options.output, {name: getattr(result, name) for name in names})
+    print_warnings(case)
     return 0

@@ -183,6 +183,13 @@ def test_one_direction_given_in_two_ways_is_one(listed) -> None:
     assert np.all(waves(same).angle == 0.0)
 
 
+def test_round_off_in_a_direction_is_no_second_direction(listed) -> None:
+    """-89.7 and 270.3 degrees differ in their last digit only."""
+    same = build_sea_state(listed([0.5, 0.6], [1.0, 2.0], [0.0, 0.0], direction=[-89.7, 270.3]))
+    assert same.direction_deg == 270.3
+    assert np.all(waves(same).angle == 0.0)
+
+
 def test_components_without_energy_have_no_say_in_the_heading(listed) -> None:
     state = build_sea_state(listed([0.5, 0.6], [1.0, 0.0], [0.0, 0.0], direction=[33.3, 20.0]))
     assert state.direction_deg == 33.3
@@ -206,12 +213,14 @@ def test_equal_frequencies_merge_within_a_direction_only(listed) -> None:
 # Focus
 
 
+@pytest.mark.parametrize("spreading", [None, 10.0])
 @pytest.mark.parametrize("background", [True, False])
 @pytest.mark.parametrize("order", [1, 2])
-def test_crest_through_the_field(order: int, background: bool) -> None:
+def test_crest_through_the_field(order: int, background: bool, spreading: float | None) -> None:
     """The first order has the crest at a sample and is lower a step before and after; order 2 adds to it."""
     focus = {"crest_m": 6.0, "time_s": 120.0, "place_m": [15.0, 5.0], "background": background}
-    case = parse_case({"sea_state": {"focus": focus, "direction_deg": 70.0}, "wave": {"order": order}})
+    sea_state = {"focus": focus, "direction_deg": 70.0, "spreading": spreading}
+    case = parse_case({"sea_state": sea_state, "wave": {"order": order}})
     state = build_sea_state(case)
     place = Frame(state.direction_deg).place(np.array([[15.0, 5.0]]))
     first, second = make_field(case, state).elevation(place)

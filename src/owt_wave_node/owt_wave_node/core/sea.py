@@ -16,7 +16,7 @@ from owt_wave_node.core.dispersion import wavenumber
 from owt_wave_node.core.focus import focused
 from owt_wave_node.core.realisation import realise
 from owt_wave_node.core.spectrum import peak_enhancement
-from owt_wave_node.core.spreading import mean_direction
+from owt_wave_node.core.spreading import mean_direction, turn_between
 
 __all__ = ["Frame", "Waves", "build_sea_state", "sea_field", "waves"]
 
@@ -183,9 +183,8 @@ class Waves:
 
 def waves(sea: SeaState) -> Waves:
     """Sort the components of `sea`, merge those of one frequency and direction, drop those without energy."""
-    # Within half a turn of the heading; whole turns vanish exactly, so that long crests stay long.
-    turned = (sea.component_direction_deg - sea.direction_deg + 180.0) % 360.0 - 180.0
-    key = np.column_stack((sea.omega_rad_s, np.round(turned, 9)))  # directions equal but for round-off
+    turn = turn_between(sea.direction_deg, sea.component_direction_deg)
+    key = np.column_stack((sea.omega_rad_s, np.round(turn, 9)))  # directions equal but for round-off are one
     _, first, group = np.unique(key, axis=0, return_index=True, return_inverse=True)
     amplitude = np.zeros(first.size, dtype=complex)
     np.add.at(amplitude, group, sea.amplitude_m * np.exp(-1j * sea.phase_rad))
@@ -196,7 +195,7 @@ def waves(sea: SeaState) -> Waves:
     return Waves(
         omega=sea.omega_rad_s[first],
         wavenumber=sea.wavenumber_rad_m[first],
-        angle=np.deg2rad(turned[first]),
+        angle=np.deg2rad(turn[first]),
         amplitude=amplitude[keep],
         depth=sea.water_depth_m,
         gravity=sea.gravity_m_s2,

@@ -7,7 +7,18 @@ import math
 import numpy as np
 from jaxtyping import Float
 
-__all__ = ["angle_of", "mean_direction", "spreading_density"]
+__all__ = ["angle_of", "mean_direction", "spreading_density", "turn_between"]
+
+#: Difference in degrees between directions that are one but for round-off.
+SAME_DIRECTION = 1e-9
+
+
+def turn_between(
+    heading_deg: float, direction_deg: Float[np.ndarray, " component"]
+) -> Float[np.ndarray, " component"]:
+    """Turn in degrees, within half a turn, from a heading to directions; exactly 0 for the same direction."""
+    turn = (direction_deg - heading_deg + 180.0) % 360.0 - 180.0
+    return np.where(np.abs(turn) < SAME_DIRECTION, 0.0, turn)
 
 
 def spreading_density(angle: Float[np.ndarray, " angle"], exponent: float) -> Float[np.ndarray, " angle"]:
@@ -45,8 +56,7 @@ def mean_direction(
     """
     largest = int(weight.argmax())
     first = float(direction_deg[largest])
-    carries = weight > 0.0
-    if not np.any((direction_deg[carries] - first) % 360.0):
+    if not turn_between(first, direction_deg[weight > 0.0]).any():
         return first
     angle = np.deg2rad(direction_deg)
     x, y = float(weight @ np.cos(angle)), float(weight @ np.sin(angle))

@@ -54,6 +54,15 @@ def test_signals_without_derivatives() -> None:
     assert np.array_equal(got, grid(600).series(spectra, np.arange(2), channels=4)[:, :2])
 
 
+def test_any_number_of_signals() -> None:
+    spectra = coefficients(1, 5, 50)
+    half = 0.5 * spectra
+    half[..., 0] *= 2.0
+    expected = plain(spectra, 600)[:, :5]
+    for got in (grid(600).signal(spectra), grid(600).to_time(half), grid(600).signal(spectra[0])[None]):
+        assert np.abs(got - expected).max() < 1e-13 * np.abs(expected).max()
+
+
 @pytest.mark.parametrize("length", [6001, 4004, 5998, 6])
 def test_other_lengths_take_the_library(length: int) -> None:
     """A length without a factor 4, or with a prime factor above 5, has no plan and the same answer."""

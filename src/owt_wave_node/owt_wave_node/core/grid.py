@@ -51,27 +51,31 @@ class FrequencyGrid:
         """
         plan = plan_transform(self.length, spectra.shape[2])
         if plan is None:
-            rates = 1j * self.spacing * np.arange(spectra.shape[2])
             chosen = spectra[index]
-            full = np.concatenate([chosen, rates * chosen], axis=1)[:, :channels]
-            return self.signal(full)
-        series = plan.to_time(spectra, index, channels=channels, spacing=self.spacing)
-        if self.length == self.n:
-            return series
-        return np.ascontiguousarray(series[..., : self.n * self.oversampling : self.oversampling])
+            rates = 1j * self.spacing * np.arange(spectra.shape[2])
+            half = 0.5 * np.concatenate([chosen, rates * chosen], axis=1)[:, :channels]
+            half[..., 0] *= 2.0
+            return self._samples(np.fft.irfft(half, self.length, axis=-1, norm="forward"))
+        return self._samples(plan.to_time(spectra, index, channels=channels, spacing=self.spacing))
+
+    def signal(self, spectra: Complex[np.ndarray, "*batch bin"]) -> Float[np.ndarray, "*batch time"]:
+        """Real signals Re sum_j Y_j exp(i j spacing t) of any number of coefficients Y."""
+        n_bins = spectra.shape[-1]
+        rows = spectra.reshape(-1, n_bins)
+        pairs = np.concatenate([rows, np.zeros((len(rows) % 2, n_bins))])
+        series = self.series(pairs.reshape(-1, 2, n_bins), np.arange(len(pairs) // 2), channels=2)
+        return series.reshape(-1, self.n)[: len(rows)].reshape(*spectra.shape[:-1], self.n)
 
     def to_time(self, half_spectra: Complex[np.ndarray, "*batch bin"]) -> Float[np.ndarray, "*batch time"]:
         """Transform half coefficients (those an inverse real transform wants) to the n samples."""
-        series = np.fft.irfft(half_spectra, self.length, axis=-1, norm="forward")
+        whole = 2.0 * half_spectra
+        whole[..., 0] *= 0.5
+        return self.signal(whole)
+
+    def _samples(self, series: Float[np.ndarray, "*batch length"]) -> Float[np.ndarray, "*batch time"]:
         if self.length == self.n:
             return series
         return np.ascontiguousarray(series[..., : self.n * self.oversampling : self.oversampling])
-
-    def signal(self, spectra: Complex[np.ndarray, "*batch bin"]) -> Float[np.ndarray, "*batch time"]:
-        """Return the real signal Re sum_j Y_j exp(i j spacing t) of the coefficients Y."""
-        half = 0.5 * spectra
-        half[..., 0] *= 2.0
-        return self.to_time(half)
 
 
 def _on_grid(

@@ -15,6 +15,8 @@ waves are components of first order, see :func:`~owt_wave_node.core.route.make_f
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
@@ -87,11 +89,17 @@ class RegularField:
 
     def __init__(self, case: CaseConfig, sea: SeaState) -> None:
         self._wave = wave = _wave_of(case)
-        self.n_axes, self.n = 2, sea.n
+        self.n_axes, self.n, self._start = 2, sea.n, 0
         self._dt, self._depth = sea.dt_s, sea.water_depth_m
         self._phase = float(sea.phase_rad[0])
         self._harmonic = np.arange(1, wave.elevation.size + 1)
         self.wavenumber = self._harmonic * wave.wavenumber
+
+    def window(self, start: int, count: int) -> RegularField:
+        """Return the field over `count` samples from `start`."""
+        part = copy(self)
+        part._start, part.n = self._start + start, count
+        return part
 
     def _sum(
         self, place: Place, coefficient: Complex[np.ndarray, "point channel harmonic"]
@@ -102,7 +110,7 @@ class RegularField:
         factors = np.concatenate([here.real, -here.imag], axis=2)
         out = np.empty((*coefficient.shape[:2], self.n))
         for start in range(0, self.n, BLOCK):
-            t = np.arange(start, min(start + BLOCK, self.n)) * self._dt
+            t = (self._start + np.arange(start, min(start + BLOCK, self.n))) * self._dt
             turn = np.exp(1j * self._wave.omega * t)
             phasor = np.cumprod(np.broadcast_to(turn, (self._harmonic.size, t.size)), axis=0)
             out[:, :, start : start + t.size] = factors @ np.concatenate([phasor.real, phasor.imag])

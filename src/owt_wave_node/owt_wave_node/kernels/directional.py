@@ -139,18 +139,28 @@ def _largest(rows, n):
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
-def _add(rows, low, high, at, re, im, sign, a, b, out):
-    """Add rows * (a + i b) (re + i sign im) of the range low..high to the entries `at` of out [6, slot]."""
-    b_turned, a_turned = sign * b, sign * a
+def _product(re, im, sign, a, b, out_re, out_im):
+    """(a + i b) (re + i sign im)."""
+    for n in range(re.size):
+        out_re[n], out_im[n] = a * re[n] - sign * b * im[n], sign * a * im[n] + b * re[n]
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _add(row, re, im, out_re, out_im):
+    """Add row * (re + i im) to `out`, all of one length."""
+    for n in range(row.size):
+        out_re[n] += row[n] * re[n]
+        out_im[n] += row[n] * im[n]
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _scatter(rows, re, im, low, high, at, out):
+    """Add rows * (re + i im), low <= n < high, to the entries `at` of out [channel, re and im, slot]."""
     for n in range(low, high):
         to = at[n]
-        real, imaginary = a * re[n] - b_turned * im[n], a_turned * im[n] + b * re[n]
-        out[0, to] += rows[0, n] * real
-        out[1, to] += rows[0, n] * imaginary
-        out[2, to] += rows[1, n] * real
-        out[3, to] += rows[1, n] * imaginary
-        out[4, to] += rows[2, n] * real
-        out[5, to] += rows[2, n] * imaginary
+        for c in range(3):
+            out[c, 0, to] += rows[c, n] * re[n]
+            out[c, 1, to] += rows[c, n] * im[n]
 
 
 @njit(cache=True, nogil=True)
@@ -170,25 +180,42 @@ def level_velocity(x, y, z, k_x, k_y, amplitude, depth, tables, listed, j, slots
     `tables` and `slots` are pairs (sums, differences). A pair is kept at the slot listed there, or where
     `listed` is false at j_m +- j_n.
     """
-    points, size = x.size, k_x.size
+    points, size, n_slots = x.size, k_x.size, out.shape[2]
     re, im = np.empty((points, size)), np.empty((points, size))
     _phases(x, y, k_x, k_y, amplitude, re, im)
     height = np.abs(amplitude)
     rows, at = np.empty((3, size)), np.empty(size, dtype=np.int64)
-    total = np.zeros((points, 6, out.shape[2]))
+    p_re, p_im = np.empty(size), np.empty(size)
+    # Where j are consecutive both j_m + j_n and size - (j_m - j_n) run with n, and rows add without scatter.
+    dense = not listed and j[size - 1] - j[0] == size - 1 and j[0] > 0
+    total, back = np.zeros((points, 3, 2, n_slots)), np.zeros((points, 3, 2, size + 1 if dense else 0))
     strongest = 0.0
     for m in range(size):
         for sign, table, slot in ((1, tables[0], slots[0]), (-1, tables[1], slots[1])):
             count = m + 1 if sign > 0 else m
             low, high, strongest = _row(table, m, count, sign, k_x, k_y, height, z, depth, strongest, rows)
-            _slots(m, count, sign, listed, j, slot, at)
+            if not dense:
+                _slots(m, count, sign, listed, j, slot, at)
             for p in range(points):
-                _add(rows, low, high, at, re[p], im[p], sign, re[p, m], im[p, m], total[p])
+                _product(
+                    re[p, low:high], im[p, low:high], sign, re[p, m], im[p, m], p_re[low:high], p_im[low:high]
+                )
+                if not dense:
+                    _scatter(rows, p_re, p_im, low, high, at, total[p])
+                    continue
+                to, start = (total[p], j[m] + j[0]) if sign > 0 else (back[p], size - m)
+                for c in range(3):
+                    _add(
+                        rows[c, low:high], p_re[low:high], p_im[low:high],
+                        to[c, 0, start + low : start + high], to[c, 1, start + low : start + high],
+                    )  # fmt: skip
     for p in range(points):
-        for i in range(out.shape[2]):
-            out[p, 0, i] += complex(total[p, 0, i], total[p, 1, i])
-            out[p, 1, i] += complex(total[p, 2, i], total[p, 3, i])
-            out[p, 2, i] += 1j * complex(total[p, 4, i], total[p, 5, i])
+        for c in range(3):
+            turn = 1.0 if c < 2 else 1j  # w is a quarter of a period away
+            for i in range(n_slots):
+                out[p, c, i] += turn * complex(total[p, c, 0, i], total[p, c, 1, i])
+            for i in range(1, back.shape[3]):
+                out[p, c, size - i] += turn * complex(back[p, c, 0, i], back[p, c, 1, i])
 
 
 @njit(cache=True, nogil=True)

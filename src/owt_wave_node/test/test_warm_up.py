@@ -15,12 +15,12 @@ import json, sys
 from owt_model.config import parse_case
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
-from owt_wave_node.kernels import morison, sections, spectra, surface, transfer, wheeler, warm_up
+from owt_wave_node.kernels import directional, morison, sections, spectra, surface, transfer, wheeler, warm_up
 
 def signatures():
     return {
         f"{module.__name__}.{name}": [str(s) for s in kernel.signatures]
-        for module in (morison, sections, spectra, surface, transfer, wheeler)
+        for module in (directional, morison, sections, spectra, surface, transfer, wheeler)
         for name, kernel in vars(module).items()
         if hasattr(kernel, "signatures")
     }
@@ -35,7 +35,8 @@ gaps = {"components": {"omega_rad_s": [1.04719755119659763, 2.09439510239319526,
                        "amplitude_m": [0.1, 0.1, 0.1], "phase_rad": [0, 1, 2]}}
 wheeler_case, growth = {"wave": {"order": 1, "stretching": "wheeler"}}, {"morison": {"marine_growth": True}}
 full = {"current": {"speed_m_s": 0.5}, "morison": {"distribution": "quadratic", "axial_cd": 0.1}}
-for extra in ({}, gaps, wheeler_case, growth, full):
+crossing = {"components": gaps["components"] | {"direction_deg": [0, 40, 90]}}
+for extra in ({}, gaps, wheeler_case, growth, full, crossing):
     case = parse_case(short | extra)
     wave_kinematics(case)
     build_wave_stage(case, mesh)

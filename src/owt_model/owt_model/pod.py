@@ -7,17 +7,20 @@ from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.sparse.linalg import svds
+from scipy.linalg import blas, eigh
+from scipy.sparse.linalg import eigsh, svds
 
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 
-__all__ = ["load_basis"]
+__all__ = ["Scatter", "load_basis"]
 
 #: Largest residual |X v - sigma u| / sigma_1 of a Lanczos vector that is accepted.
 TOLERANCE = 1e-11
 #: Up to this size the dense decomposition is the faster one.
 DENSE = 200
+#: Snapshots whose mean is removed at a time.
+CHUNK = 512
 
 
 def load_basis(
@@ -57,6 +60,66 @@ def load_basis(
         )
     sigma, vectors = _leading(snapshots, n_vectors)
     floor = np.sqrt(variance) * np.finfo(float).eps * max(snapshots.shape)
+    vectors = _checked(sigma, vectors, n_vectors, floor)
+    return LoadBasis(model_hash, node, vectors.reshape(n_vectors, -1, 6), sigma, variance, mean, n_snapshots)
+
+
+class Scatter:
+    """Mean and scatter matrix of a load history that is never held: snapshots are added window by window.
+
+    The basis agrees with that of :func:`load_basis` to about 1e-16 (sigma_1 / sigma_i)^2: the squares of the
+    singular values are what is known, so shapes with less than 1e-7 of the largest count as none. Work
+    does not depend on how the history is cut; memory is that of the matrix, 8 bytes per pair of load
+    components.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._mean: Float[np.ndarray, " dof"] = np.zeros(0)
+        self._matrix: Float[np.ndarray, "dof dof"] = np.zeros((0, 0))
+        self._shape = (0, 6)
+
+    def add(self, nodal: Float[np.ndarray, "snapshot loaded 6"]) -> None:
+        """Add snapshots and update the mean [Chan, Golub and LeVeque, Am. Stat. 37, 1983, eq. 2.1]."""
+        if not self.count:
+            self._shape = (nodal.shape[1], 6)
+            self._mean = np.zeros(6 * nodal.shape[1])
+            self._matrix = np.zeros((self._mean.size, self._mean.size), order="F")
+        for i in range(0, len(nodal), CHUNK):
+            part = np.array(nodal[i : i + CHUNK], order="C").reshape(-1, self._mean.size)
+            mean = part.mean(axis=0)
+            part -= mean
+            shift, total = mean - self._mean, self.count + len(part)
+            # One more snapshot carries what the shift of the mean adds.
+            extra = shift * np.sqrt(self.count * len(part) / total)
+            self._matrix = blas.dsyrk(
+                1.0, np.vstack([part, extra]).T, beta=1.0, c=self._matrix, overwrite_c=1
+            )
+            self._mean += shift * (len(part) / total)
+            self.count = total
+
+    def basis(self, node: Int[np.ndarray, " loaded"], n_vectors: int, *, model_hash: str) -> LoadBasis:
+        """Return the `n_vectors` most energetic spatial vectors of all snapshots added.
+
+        Raises
+        ------
+        InputError
+            If the history has fewer independent shapes than `n_vectors`.
+        """
+        mean, variance = self._mean.reshape(self._shape), float(np.trace(self._matrix))
+        vectors, sigma = np.zeros((0, *self._shape)), np.zeros(0)
+        if n_vectors:
+            value, shape = _largest(self._matrix, n_vectors)
+            sigma = np.sqrt(np.maximum(value, 0.0))
+            floor = np.sqrt(variance * np.finfo(float).eps * mean.size)
+            vectors = _checked(sigma, shape, n_vectors, floor).reshape(n_vectors, -1, 6)
+        return LoadBasis(model_hash, node, vectors, sigma, variance, mean, self.count)
+
+
+def _checked(
+    sigma: Float[np.ndarray, " value"], vectors: Float[np.ndarray, "value dof"], n_vectors: int, floor: float
+) -> Float[np.ndarray, "value dof"]:
+    """Vectors with a sign of their own; refuses them if too few singular values rise above round-off."""
     rank = int(np.count_nonzero(sigma > floor))
     if rank < n_vectors:
         raise InputError(
@@ -67,8 +130,24 @@ def load_basis(
         )
     # An SVD leaves the sign open: the largest entry of each vector is made positive.
     largest = vectors[np.arange(n_vectors), np.abs(vectors).argmax(axis=1)]
-    vectors = vectors * np.sign(largest)[:, None]
-    return LoadBasis(model_hash, node, vectors.reshape(n_vectors, -1, 6), sigma, variance, mean, n_snapshots)
+    return np.asarray(vectors * np.sign(largest)[:, None])
+
+
+def _largest(
+    upper: Float[np.ndarray, "dof dof"], count: int
+) -> tuple[Float[np.ndarray, " value"], Float[np.ndarray, "value dof"]]:
+    """Largest eigenvalues and their vectors of a symmetric matrix given by its upper triangle."""
+    matrix = np.triu(upper) + np.triu(upper, 1).T
+    size = len(matrix)
+    if size > max(DENSE, 4 * count) and matrix.any():
+        start = np.random.default_rng(0).standard_normal(size)  # fixed: same bits every run
+        value, vectors = eigsh(matrix, k=count, v0=start, tol=0)
+        value, vectors = value[::-1], vectors[:, ::-1]
+        if np.linalg.norm(matrix @ vectors - vectors * value, axis=0).max() <= TOLERANCE * value[0]:
+            return value, np.ascontiguousarray(vectors.T)
+    count = min(count, size)
+    value, vectors = eigh(matrix, subset_by_index=(size - count, size - 1))
+    return value[::-1].copy(), np.ascontiguousarray(vectors[:, ::-1].T)
 
 
 def _leading(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from owt_model.errors import InputError
+from owt_wave_node.core.compressed import CompressedField
 from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.field import GridField
 from owt_wave_node.core.grid import frequency_grid
@@ -105,17 +106,24 @@ def test_grid_is_the_smallest() -> None:
 
 
 def test_components_off_the_grid(reference, listed) -> None:
-    """Frequencies off any grid take the direct sum and join the gridded answer continuously."""
+    """Frequencies off any grid join the gridded answer continuously, spread on a grid or summed directly."""
     d = reference["A"]
     keep = slice(40, 80)
     points = [[2.0, 0.0, -4.0]]
     on = wave_kinematics(listed(d["omega"][keep], d["a"][keep], d["phi"][keep], points_m=points))
     shift = 1.0 + 1e-9 * np.sqrt(np.arange(40) + 2.0)
     case = listed(d["omega"][keep] * shift, d["a"][keep], d["phi"][keep], points_m=points)
-    assert isinstance(component_field(waves(build_sea_state(case))), DirectField)
+    sea = waves(build_sea_state(case))
+    assert isinstance(component_field(sea), CompressedField)
+    assert isinstance(component_field(sea, "direct"), DirectField)
     off = wave_kinematics(case)
+    summed = wave_kinematics(
+        case.model_copy(update={"wave": case.wave.model_copy(update={"route": "direct"})})
+    )
     for name in ("eta1", "eta2", "velocity2", "acceleration2"):
         assert difference(getattr(on, name), getattr(off, name)) < 2e-5, name
+        assert difference(getattr(summed, name), getattr(off, name)) < 1e-10, name
+        assert difference(getattr(on, name), getattr(off, name)) > 1e-10, name  # the shift is seen
 
 
 def test_order_one_has_no_second_order(recorded) -> None:

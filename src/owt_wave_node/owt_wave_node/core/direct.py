@@ -8,10 +8,12 @@ Re(V^T K conj(V)), with real matrices K. The symmetry of K gives their time deri
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from owt_wave_node.core.field import Kinematics, Place, Prepared, Profile, Series
+from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import pair_tables, set_down
@@ -131,6 +133,12 @@ class DirectField:
                 out[p, 2, rows] = -2.0 * (u.imag @ waves.omega)
                 out[p, 3, rows] = -2.0 * (w.imag @ waves.omega)
         return out
+
+    def window(self, start: int, count: int) -> Field:
+        """Return the field over `count` samples from `start`: a shift of the phases."""
+        waves = self.waves
+        turned = waves.amplitude * np.exp(1j * waves.omega * (start * waves.dt))
+        return DirectField(replace(waves, amplitude=turned, n=count))
 
     def prepare(self, place: Place) -> Prepared:
         """Remember the points."""

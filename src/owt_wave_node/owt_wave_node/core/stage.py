@@ -1,69 +1,110 @@
-"""The wave stage: the sea, its elevation and its loads, cut into blocks of samples."""
+"""The wave stage: the sea, its elevation and its loads, cut into blocks of samples.
+
+Loads and elevation are computed window by window and one window is held: memory does not grow with the
+record. Blocks in order cost each window once.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
 
 from owt_model.config import CaseConfig
-from owt_model.contracts import ElevationBlock, LoadBasis, LoadBlock, SeaState
+from owt_model.contracts import ElevationBlock, LoadBasis, LoadBlock
 from owt_model.mesh import Mesh
-from owt_model.pod import load_basis
+from owt_model.pod import Scatter, load_basis
 from owt_wave_node.core.assembly import LoadHistory
-from owt_wave_node.core.loads import load_history
+from owt_wave_node.core.hydro_damping import drag_damping
+from owt_wave_node.core.loads import LoadWindows, prepare_loads
 from owt_wave_node.core.route import make_field
-from owt_wave_node.core.sea import Frame, build_sea_state
+from owt_wave_node.core.sea import build_sea_state
+from owt_wave_node.core.window import window_of
 
 __all__ = ["WaveStage", "build_wave_stage"]
 
-#: Where the eight bending rows of an element lie among its twelve end forces, with the sign of a
-#: fixed-end force: minus the equivalent nodal load. Rows: Fy1, Mz1, Fy2, Mz2, Fz1, My1, Fz2, My2.
-END_FORCE = (1, 5, 7, 11, 2, 4, 8, 10)
+#: Where the rows of an element lie among its twelve end forces, with the sign of a fixed-end force: minus
+#: the equivalent nodal load. Rows: Fy1, Mz1, Fy2, Mz2, Fz1, My1, Fz2, My2 and, where there are, Fx1, Fx2.
+END_FORCE = (1, 5, 7, 11, 2, 4, 8, 10, 0, 6)
+
+Series = Float[np.ndarray, "gauge time"]
 
 
-@dataclass(frozen=True)
 class WaveStage:
-    """The waves of a case and what they do to its structure, over the whole record."""
+    """The waves of a case and what they do to its structure."""
 
-    sea_state: SeaState
-    block: int
-    model_hash: str
-    gauge: Float[np.ndarray, "gauge 2"]
-    first_order: Float[np.ndarray, "gauge time"]
-    total: Float[np.ndarray, "gauge time"]
-    history: LoadHistory
+    def __init__(self, case: CaseConfig, mesh: Mesh) -> None:
+        self.sea_state = build_sea_state(case)
+        self.block = case.stream.block
+        self.model_hash = mesh.structure.content_hash
+        self.gauge = np.array(case.gauges_m, dtype=float)
+        self.windows: LoadWindows = prepare_loads(
+            case, mesh, self.sea_state, make_field(case, self.sea_state)
+        )
+        self._loads: tuple[int, LoadHistory] | None = None
+        self._elevation: tuple[int, Series, Series] | None = None
 
     @property
     def n_blocks(self) -> int:
         """Number of blocks; all are of `block` samples but the last."""
         return -(-self.sea_state.n // self.block)
 
-    def _rows(self, i: int) -> slice:
+    @property
+    def error_estimate(self) -> float:
+        """Error of the second order relative to its standard deviation; zero where all pairs are summed."""
+        return self.windows.error_estimate
+
+    def history(self, window: int = 0) -> LoadHistory:
+        """Loads in a window of the record, the one that is held from now on."""
+        if self._loads is None or self._loads[0] != window:
+            self._loads = None  # before the next one is there
+            self._loads = (window, self.windows.window(window))
+        return self._loads[1]
+
+    def _surface(self, window: int) -> tuple[Series, Series]:
+        """First-order and total elevation at the gauges in a window."""
+        if self._elevation is None or self._elevation[0] != window:
+            rows, field = self.windows.rows(window), self.windows.field
+            part = window_of(field, rows.start, rows.stop - rows.start)
+            first, second = part.elevation(self.windows.frame.place(self.gauge))
+            self._elevation = (window, first, first + second)
+        return self._elevation[1:]
+
+    def _rows(self, i: int) -> tuple[slice, int, slice]:
+        """Samples of block `i`, its window, and its samples there."""
         if not 0 <= i < self.n_blocks:
             raise IndexError(f"block {i} of {self.n_blocks}")
-        return slice(i * self.block, min((i + 1) * self.block, self.sea_state.n))
+        rows = slice(i * self.block, min((i + 1) * self.block, self.sea_state.n))
+        window, start = divmod(rows.start, self.windows.length)
+        return rows, window, slice(start, start + rows.stop - rows.start)
 
     def elevation_block(self, i: int) -> ElevationBlock:
         """Elevation at the gauges in block `i`."""
-        rows = self._rows(i)
+        rows, window, part = self._rows(i)
+        first, total = self._surface(window)
         return ElevationBlock(
             sequence=i,
             start=rows.start,
             dt=self.sea_state.dt_s,
             last=i == self.n_blocks - 1,
             gauge=self.gauge,
-            first_order=np.ascontiguousarray(self.first_order[:, rows].T),
-            total=np.ascontiguousarray(self.total[:, rows].T),
+            first_order=np.ascontiguousarray(first[:, part].T),
+            total=np.ascontiguousarray(total[:, part].T),
         )
 
     def load_block(self, i: int) -> LoadBlock:
-        """Nodal loads and fixed-end forces in block `i`."""
-        rows = self._rows(i)
-        history = self.history
+        """Nodal loads and fixed-end forces in block `i`.
+
+        Raises
+        ------
+        ComputationError
+            If a load is not finite.
+        """
+        rows, window, part = self._rows(i)
+        history = self.history(window)
         fixed = np.zeros((rows.stop - rows.start, history.element.size, 12))
-        fixed[:, :, END_FORCE] = -history.end_rows[:, :, rows].transpose(2, 0, 1)
+        fixed[:, :, END_FORCE[: history.end_rows.shape[1]]] = -history.end_rows[:, :, part].transpose(2, 0, 1)
         return LoadBlock(
             sequence=i,
             start=rows.start,
@@ -72,19 +113,42 @@ class WaveStage:
             model_hash=self.model_hash,
             node=history.node,
             element=history.element,
-            nodal=np.ascontiguousarray(history.nodal[:, :, rows].transpose(2, 0, 1)),
+            nodal=np.ascontiguousarray(history.nodal[:, :, part].transpose(2, 0, 1)),
             fixed_end=fixed,
         )
 
     def load_basis(self, n_vectors: int) -> LoadBasis:
-        """Return the `n_vectors` most energetic spatial vectors of the loads of the record."""
-        return load_basis(
-            self.history.nodal.transpose(2, 0, 1), self.history.node, n_vectors, model_hash=self.model_hash
-        )
+        """Return the `n_vectors` most energetic spatial vectors of the loads of the record.
+
+        A record of several windows is computed once more for it.
+        """
+        node = self.windows.hydro.node
+        if len(self.windows) == 1:
+            nodal = self.history().nodal.transpose(2, 0, 1)
+            return self._damped(load_basis(nodal, node, n_vectors, model_hash=self.model_hash))
+        scatter = Scatter()
+        for i in range(len(self.windows)):
+            scatter.add(self.history(i).nodal.transpose(2, 0, 1))
+        return self._damped(scatter.basis(node, n_vectors, model_hash=self.model_hash))
+
+    def _damped(self, basis: LoadBasis) -> LoadBasis:
+        """Add the damping by the drag on the structure's own motion where the case asks for it."""
+        windows = self.windows
+        if not windows.case.morison.hydrodynamic_damping:
+            return basis
+        total = np.zeros((len(basis.node), 3, 3))
+        for i in range(len(windows)):
+            rows = windows.rows(i)
+            part = window_of(windows.field, rows.start, rows.stop - rows.start)
+            total += part.n * drag_damping(
+                windows.case, windows.hydro, windows.frame, part,
+                lowest=windows.lowest, highest=windows.highest,
+            )  # fmt: skip
+        return replace(basis, damping=total / windows.field.n)
 
 
 def build_wave_stage(case: CaseConfig, mesh: Mesh) -> WaveStage:
-    """Do all the work of the wave stage for the record of `case`.
+    """Do the work of the wave stage that all windows share, and the loads of the first one.
 
     Raises
     ------
@@ -93,17 +157,6 @@ def build_wave_stage(case: CaseConfig, mesh: Mesh) -> WaveStage:
     ComputationError
         If a result is not finite.
     """
-    sea = build_sea_state(case)
-    field = make_field(case, sea)
-    history = load_history(case, mesh, sea, field)
-    gauge = np.array(case.gauges_m, dtype=float)
-    first, second = field.elevation(Frame(sea.direction_deg).place(gauge))
-    return WaveStage(
-        sea_state=sea,
-        block=case.stream.block,
-        model_hash=mesh.structure.content_hash,
-        gauge=gauge,
-        first_order=first,
-        total=first + second,
-        history=history,
-    )
+    stage = WaveStage(case, mesh)
+    stage.history()
+    return stage

@@ -23,6 +23,7 @@ from owt_wave_node.core.field import (
 )
 from owt_wave_node.core.profile import first_order_profile
 from owt_wave_node.core.sea import Waves
+from owt_wave_node.core.window import window_of
 from owt_wave_node.kernels import wheeler as _kernel
 
 __all__ = ["WheelerField"]
@@ -117,6 +118,10 @@ class WheelerField:
     def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
         """Kinematics with given vertical factors, which leave nothing to stretch."""
         return self._linear.shaped(place, horizontal, vertical)
+
+    def window(self, start: int, count: int) -> Field:
+        """Return the field over `count` samples from `start`."""
+        return WheelerField(self.waves, window_of(self._linear, start, count))
 
     def prepare(self, place: Place) -> Prepared:
         """Remember the points."""

@@ -202,9 +202,11 @@ class DirectionalField:
             self._add_second(place, out)
         return out
 
-    def _in_time(self, velocity: Coefficients) -> Kinematics:
-        """Velocities and their time derivatives."""
-        return self._lines.signal(np.concatenate([velocity, 1j * self._frequency * velocity], axis=1))
+    def _in_time(
+        self, velocity: Coefficients, index: Int[np.ndarray, " some"]
+    ) -> Float[np.ndarray, "some channel time"]:
+        """Velocities and their time derivatives at the points `index`."""
+        return self._lines.series(velocity, index, channels=6)
 
     def _kinematics(self, place: Place, *, first: bool, second: bool) -> Kinematics:
         """Kinematics at all points, with the coefficients of some at a time."""
@@ -214,7 +216,7 @@ class DirectionalField:
             block = out[rows]
 
             def part(at: slice, velocity: Coefficients = velocity, block: Kinematics = block) -> None:
-                block[at] = self._in_time(velocity[at])
+                block[at] = self._in_time(velocity, np.arange(at.start, at.stop))
 
             map_threads(part, _slices(len(velocity), TRANSFORMED))
         return out
@@ -233,7 +235,7 @@ class DirectionalField:
         """First-order kinematics with given vertical factors instead of those of a level."""
         velocity = np.zeros((len(place), 3, self._frequency.size), dtype=complex)
         self._first_order(place, horizontal, vertical, velocity)
-        return self._in_time(velocity)
+        return self._in_time(velocity, np.arange(len(place)))
 
     def prepare(self, place: Place) -> Prepared:
         """Coefficients of the total velocities at points, or the points where those are too many to keep."""
@@ -247,7 +249,7 @@ class _Stored:
         self._field, self._velocity = field, velocity
 
     def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some channel time"]:
-        return self._field._in_time(self._velocity[index])
+        return self._field._in_time(self._velocity, index)
 
 
 class _OnDemand:

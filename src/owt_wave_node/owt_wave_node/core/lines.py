@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Complex, Float, Int
 
 __all__ = ["FrequencyLines"]
 
@@ -21,6 +21,17 @@ class FrequencyLines:
     frequency: Float[np.ndarray, " line"]
     dt: float
     n: int
+
+    def series(
+        self,
+        spectra: Complex[np.ndarray, "row signal line"],
+        index: Int[np.ndarray, " some"],
+        *,
+        channels: int,
+    ) -> Float[np.ndarray, "some channel time"]:
+        """Signals of the rows `index`, then as many of their time derivatives as make up `channels`."""
+        chosen = spectra[index]
+        return self.signal(np.concatenate([chosen, 1j * self.frequency * chosen], axis=1)[:, :channels])
 
     def signal(self, spectra: Complex[np.ndarray, "*batch line"]) -> Float[np.ndarray, "*batch time"]:
         """Return the real signal Re sum_j Y_j exp(i omega_j t) of the coefficients Y.

@@ -28,6 +28,8 @@ Series = Float[np.ndarray, " time"]
 
 #: Former iterates that a new one is mixed from.
 MEMORY = 10
+#: Change over the largest component from which nothing comes back.
+DIVERGED = 1e6
 
 
 @dataclass(frozen=True)
@@ -189,7 +191,7 @@ def _solve(
     for i in range(1, band.max_iterations + 1):
         step = target - _project(elevation(A)[1], bins) - A
         change = float(np.abs(step).max()) / float(np.abs(A).max())
-        if not math.isfinite(change):
+        if not change < DIVERGED:
             break
         if change <= band.tolerance:
             return A + step, i

@@ -180,7 +180,7 @@ def realise_table(
         raise InputError(
             "spectrum_file", 0.0, f"holds no energy in the band {band}", "Choose another spectrum or band."
         )
-    if directional:
+    if directional and table.direction_deg.size > 1:
         direction = table.directions(f, derived_numbers(last, seed, DIRECTION_STREAM)[first - 1 :])
     else:
         direction = np.full(f.size, table.mean_direction_deg)

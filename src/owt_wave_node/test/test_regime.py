@@ -1,0 +1,165 @@
+"""Where a case lies among theories and loads, and what it is told."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from owt_model.config import parse_case
+from owt_model.structure import load_structure
+from owt_wave_node.core.regime import SeaRegime, orbital_speed, regime_warnings, sea_regime
+from owt_wave_node.core.sea import build_sea_state
+from owt_wave_node.core.wave_theory import breaking_height, harmonics, linear_wavenumber, regular_regime
+
+
+def regime(**case: Any) -> SeaRegime:
+    config = parse_case(case)
+    return sea_regime(config, build_sea_state(config), load_structure("oc4"))
+
+
+@pytest.mark.parametrize(
+    ("height", "period", "depth", "theory"),
+    [
+        (0.5, 10.0, 50.0, "airy"),
+        (6.0, 10.0, 50.0, "stokes 2"),
+        (12.0, 10.0, 50.0, "stokes 3"),
+        (16.0, 10.0, 50.0, "stokes 5"),
+        (20.0, 10.0, 50.0, "stream function"),
+        (21.0, 10.0, 50.0, "breaking"),
+        (2.0, 15.0, 5.0, "stream function"),
+        (3.95, 15.0, 5.0, "breaking"),
+    ],
+)
+def test_theory_of_a_regular_wave(height: float, period: float, depth: float, theory: str) -> None:
+    assert regular_regime(height=height, period=period, depth=depth, gravity=9.81).theory == theory
+
+
+def test_theories_come_in_order_as_the_wave_grows() -> None:
+    """Whatever the depth, a higher wave never asks for less."""
+    from owt_wave_node.core.wave_theory import THEORIES
+
+    for depth in (2.0, 10.0, 30.0, 100.0, 1000.0):
+        ranks = [
+            THEORIES.index(regular_regime(height=h, period=9.0, depth=depth, gravity=9.81).theory)
+            for h in np.geomspace(1e-6, 40.0, 200)
+        ]
+        assert ranks == sorted(ranks)
+        assert ranks[0] == 0
+        assert ranks[-1] == len(THEORIES) - 1
+
+
+def test_harmonics_are_those_of_raschii() -> None:
+    """Fenton's coefficients as an independent library has them."""
+    raschii = pytest.importorskip("raschii.wave_stokes")
+    for kd in (0.5, 1.0, 3.0, 20.0):
+        data = raschii.stokes_coefficients(kd, 5)
+        expected = [data["B22"], -data["B31"], data["B44"], data["B55"]]
+        np.testing.assert_allclose(harmonics(kd, 2.0 / kd, 1.0), expected, rtol=1e-9)
+
+
+def test_extremes_stay_finite() -> None:
+    for period, depth in ((0.1, 5000.0), (6e4, 1e-3), (3.0, 5000.0)):
+        k = linear_wavenumber(period, depth=depth, gravity=9.81)
+        assert np.isfinite(harmonics(k, 1e-150, depth)).all()
+        found = regular_regime(height=1e-150, period=period, depth=depth, gravity=9.81)
+        assert found.theory == "airy"
+        assert math.isfinite(orbital_speed(found, -depth))
+        assert breaking_height(k, depth) > 0.0
+
+
+def test_the_default_case_is_told_of_its_cutoff_only() -> None:
+    found = regime()
+    assert len(found.warnings) == 1
+    assert "2.66 rad/s is above sqrt(2 g/Hs) = 1.81 rad/s" in found.warnings[0]
+    assert "sea_state.cutoff to steepness" in found.warnings[0]
+    assert regime(sea_state={"cutoff": "steepness"}).warnings == ()
+    assert regime(wave={"order": 1}).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("case", "word"),
+    [
+        ({"sea_state": {"hs_m": 0.5, "tp_s": 1.9}, "wave": {"order": 1}}, "maccamy-fuchs"),
+        ({"sea_state": {"hs_m": 3.0, "tp_s": 4.5}}, "limit of sea states"),
+        ({"sea_state": {"hs_m": 6.0, "tp_s": 16.0}, "water_depth_m": 15.0}, "Ursell"),
+        ({"sea_state": {"hs_m": 3.0, "tp_s": 4.5}}, "breaking height"),
+        ({"regular": {"height_m": 12.0, "period_s": 10.0, "theory": "airy"}}, "stokes 3 theory"),
+        ({"regular": {"height_m": 20.0, "period_s": 10.0, "theory": "stokes"}}, "stream function theory"),
+        (
+            {"components": {"omega_rad_s": [0.7, 3.0], "amplitude_m": [2.0, 0.1], "phase_rad": [0, 0]}},
+            "Leave out",
+        ),
+    ],
+)
+def test_each_warning(case: dict[str, Any], word: str) -> None:
+    found = [line for line in regime(**case).warnings if word in line]
+    assert len(found) == 1
+    assert "\n" not in found[0]
+    assert any(character.isdigit() for character in found[0])
+
+
+def test_warnings_go_when_their_cause_goes() -> None:
+    short = {"sea_state": {"hs_m": 0.5, "tp_s": 1.9}, "wave": {"order": 1}}
+    assert not [
+        line
+        for line in regime(**short, morison={"diffraction": "maccamy-fuchs"}).warnings
+        if "maccamy-fuchs" in line
+    ]
+    assert regime(regular={"height_m": 12.0, "period_s": 10.0, "theory": "stream"}).warnings == ()
+    assert regime(regular={"height_m": 12.0, "period_s": 10.0, "theory": "stokes"}).warnings == ()
+
+
+def test_a_flat_sea_is_not_warned_of() -> None:
+    flat = parse_case({"components": {"omega_rad_s": [1.0], "amplitude_m": [0.0], "phase_rad": [0.0]}})
+    assert regime_warnings(flat, build_sea_state(flat)) == ()
+
+
+def test_members_of_the_jacket() -> None:
+    """Eight piles (two diameters deep at the mudline), 24 leg tubes and 48 braces reach the water."""
+    members = regime().members
+    assert [round(m.diameter_m, 3) for m in members] == [2.082, 1.2, 0.8]
+    assert all(m.level_m[0] <= 0.0 and m.level_m[1] >= -50.0 for m in members)
+    legs = members[1]
+    assert legs.level_m[0] == 0.0
+    assert legs.load == "inertia and drag"
+    assert legs.diffraction == pytest.approx(math.pi / legs.length_over_diameter)
+    # KC and Re share their velocity: Re / KC = D^2 / (nu T)
+    assert legs.reynolds[0] / legs.keulegan_carpenter[0] == pytest.approx(
+        1.2**2 / (1.19e-6 * 9.45), rel=1e-12
+    )
+    grown = regime(morison={"marine_growth": True}).members
+    growth = load_structure("oc4").marine_growth
+    assert growth is not None
+    assert max(m.diameter_m for m in grown) > 1.2 + 2.0 * growth.thickness_m - 1e-9
+
+
+def test_a_current_adds_to_the_orbital_velocity() -> None:
+    still, moving = regime(), regime(current={"profile": "uniform", "speed_m_s": 1.0})
+    for a, b in zip(still.members, moving.members, strict=True):
+        assert b.keulegan_carpenter[0] - a.keulegan_carpenter[0] == pytest.approx(
+            9.45 / a.diameter_m, rel=1e-9
+        )
+
+
+def test_load_regimes() -> None:
+    """Inertia in small waves, drag in high ones, diffraction in short ones (figure 2.9)."""
+    of = {case: regime(sea_state={"hs_m": case[0], "tp_s": case[1]}, wave={"order": 1}).members[-1].load
+          for case in ((0.2, 6.0), (6.0, 9.45), (14.0, 16.0), (0.2, 1.5))}  # fmt: skip
+    assert of == {
+        (0.2, 6.0): "inertia",
+        (6.0, 9.45): "inertia and drag",
+        (14.0, 16.0): "drag",
+        (0.2, 1.5): "diffraction",
+    }
+
+
+def test_listed_components_and_regular_waves_are_classified_too() -> None:
+    listed = regime(components={"omega_rad_s": [0.6], "amplitude_m": [2.0], "phase_rad": [0.0]})
+    assert listed.wave.height_m == pytest.approx(4.0 * 2.0 / math.sqrt(2.0))
+    assert listed.wave.period_s == pytest.approx(2.0 * math.pi / 0.6)
+    regular = regime(regular={"height_m": 4.0, "period_s": 9.0, "theory": "airy"})
+    assert (regular.wave.height_m, regular.largest.height_m) == (4.0, 4.0)
+    assert regular.wave.period_s == pytest.approx(9.0)

@@ -7,7 +7,7 @@ time is ``start * dt``; the block marked ``last`` ends the stream.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -143,6 +143,9 @@ class LoadBasis:
         Sum of the squares of all singular values, those of the vectors left out included.
     mean : float array [loaded, 6]
         Mean load, which the snapshots leave out.
+    damping : float array [loaded, 3, 3] or [0, 3, 3]
+        Damping in N s/m of the nodes' translations by the drag on their own motion; empty where the case
+        leaves that out.
     """
 
     model_hash: str
@@ -152,6 +155,7 @@ class LoadBasis:
     total_variance: float
     mean: Float[np.ndarray, "loaded 6"]
     snapshots: int
+    damping: Float[np.ndarray, "damped 3 3"] = field(default_factory=lambda: np.zeros((0, 3, 3)))
 
     @property
     def variance_fraction(self) -> float:

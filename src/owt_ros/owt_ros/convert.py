@@ -106,6 +106,7 @@ def load_basis_message(basis: LoadBasis) -> owt.LoadBasis:
         mean=doubles(basis.mean),
         vectors=doubles(basis.vectors),
         singular_values=doubles(basis.singular_values),
+        damping=doubles(basis.damping),
         total_variance=float(basis.total_variance),
     )
 

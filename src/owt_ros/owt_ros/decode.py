@@ -50,6 +50,7 @@ def to_load_basis(message: Any) -> LoadBasis:
         total_variance=float(message.total_variance),
         mean=read_doubles(message, "mean", n, 6),
         snapshots=int(message.snapshots),
+        damping=read_doubles(message, "damping", -1, 3, 3),
     )
 
 

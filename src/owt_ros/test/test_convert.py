@@ -53,6 +53,7 @@ BLOCKS = {
         total_variance=30.0,
         mean=_r(4, 6),
         snapshots=100,
+        damping=_r(4, 3, 3),
     ),
     "reduced_model": ReducedDescription(
         model_name="oc4",

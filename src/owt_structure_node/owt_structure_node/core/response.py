@@ -8,12 +8,13 @@ import numpy as np
 from jaxtyping import Float
 
 from owt_model.contracts import LoadBasis, ReducedDescription
+from owt_model.errors import InputError
 from owt_model.mesh import Mesh
 from owt_structure_node.core.assembly import DOF_NAME, Assembly, assemble
 from owt_structure_node.core.modes import dense_modes
 from owt_structure_node.core.reduction import reduce
 
-__all__ = ["MAX_REPORTED_MODES", "ModalModel", "build_modal_model", "describe", "modal_damping"]
+__all__ = ["MAX_REPORTED_MODES", "ModalModel", "build_modal_model", "describe", "drag_rate", "modal_damping"]
 
 #: Modes whose frequencies and energies are reported one by one; totals are over all modes.
 MAX_REPORTED_MODES = 256
@@ -120,17 +121,50 @@ def modal_damping(
     return rate, np.asarray(rate / (2.0 * np.sqrt(omega_squared)))
 
 
-def describe(model: ModalModel, alpha: float, beta: float) -> ReducedDescription:
-    """Names, frequencies and damping ratios, of the lowest modes where there are very many."""
+def drag_rate(model: ModalModel, basis: LoadBasis | None) -> Float[np.ndarray, " mode"]:
+    """What the drag on the structure's own motion adds to 2 zeta omega of each mode, in 1/s.
+
+    The diagonal of Phi' C Phi, C the damping of the load basis: what couples modes is neglected, small as it
+    is against the distance of their frequencies for light damping. Zero without such damping.
+
+    Raises
+    ------
+    InputError
+        If the damping does not fit the nodes of the basis or of the mesh.
+    """
+    if basis is None or not len(basis.damping):
+        return np.zeros(len(model.omega_squared))
+    n_nodes = model.assembly.mesh.n_nodes
+    if len(basis.damping) != len(basis.node) or basis.node.max() >= n_nodes:
+        raise InputError(
+            "load_basis.damping",
+            len(basis.damping),
+            f"must be one matrix for each of {len(basis.node)} nodes of the mesh",
+            "Give the damping of the loaded nodes.",
+        )
+    motion = model.node_basis[basis.node, :3]
+    if model.amplitude is not None:
+        motion = motion @ model.amplitude.T
+    return np.asarray(np.einsum("nam,nab,nbm->m", motion, basis.damping, motion, optimize=True))
+
+
+def describe(
+    model: ModalModel, alpha: float, beta: float, drag: Float[np.ndarray, " mode"] | float = 0.0
+) -> ReducedDescription:
+    """Names, frequencies and damping ratios, of the lowest modes where there are very many.
+
+    `drag` is what :func:`drag_rate` gives.
+    """
     mesh, lowest = model.assembly.mesh, slice(0, MAX_REPORTED_MODES)
     top = f"{mesh.node_name[mesh.tower_top]}.{DOF_NAME[0]}"
+    _, ratio = modal_damping(model.omega_squared, alpha, beta)
     return ReducedDescription(
         model_name=mesh.structure.name,
         model_hash=mesh.structure.content_hash,
         reduction=model.reduction,
         coordinate_name=model.coordinate_name,
         frequency_hz=model.frequency_hz[lowest],
-        damping_ratio=modal_damping(model.omega_squared, alpha, beta)[1][lowest],
+        damping_ratio=(ratio + drag / (2.0 * np.sqrt(model.omega_squared)))[lowest],
         end_name=mesh.end_name,
         tower_top_coordinate=model.coordinate_name.index(top),
     )

@@ -32,7 +32,7 @@ from owt_structure_node.core.recovery import (
     fixed_end_columns,
     stresses,
 )
-from owt_structure_node.core.response import build_modal_model, describe, modal_damping
+from owt_structure_node.core.response import build_modal_model, describe, drag_rate, modal_damping
 
 __all__ = [
     "Response",
@@ -144,12 +144,13 @@ def build_response_model(case: CaseConfig, mesh: Mesh, basis: LoadBasis | None) 
     alpha, beta = structure.damping.alpha, structure.damping.beta
     model = build_modal_model(mesh, structure.reduction, basis)
     rate, _ = modal_damping(model.omega_squared, alpha, beta)
+    drag = drag_rate(model, basis)
     end_force = end_force_map(model.assembly, model.basis)
     strained = np.flatnonzero(end_force.reshape(len(end_force), -1).any(axis=1))
     return ResponseModel(
-        description=describe(model, alpha, beta),
+        description=describe(model, alpha, beta, drag),
         oscillators=Oscillators(
-            model.omega_squared, rate, structure.dt_s, case.substeps, structure.integrator
+            model.omega_squared, rate + drag, structure.dt_s, case.substeps, structure.integrator
         ),
         load_step=case.time.dt_s,
         n_elements=mesh.n_elements,

@@ -17,6 +17,8 @@ from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError
 from owt_wave_node.core.coefficients import coefficient_at
 from owt_wave_node.core.current import current_velocity
+from owt_wave_node.core.diffraction import extra_acceleration, refuse_impossible
+from owt_wave_node.core.ends import end_loads
 from owt_wave_node.core.field import Field, Prepared
 from owt_wave_node.core.hydro_mesh import HydroMesh, Run
 from owt_wave_node.core.parallel import map_threads
@@ -99,7 +101,7 @@ class Sections:
 class _Batch:
     """Distinct points of some members: kinematics on demand, elevation where the surface can cross."""
 
-    z: Float[np.ndarray, " point"]
+    place: Float[np.ndarray, "point 3"]
     prepared: Prepared
     eta: Float[np.ndarray, "splash time"]
     eta_row: Int[np.ndarray, " point"]  # -1 where the point always is wet
@@ -139,6 +141,8 @@ def assemble(
     for members in assembly.batches():
         assembly.run(members)
     assembly.add_joints()
+    for node, force in end_loads(case, hydro, frame, field, highest=highest).items():
+        assembly.nodal[assembly.node_row[node], :3] += force
     history = LoadHistory(hydro, hydro.node, assembly.nodal, assembly.fixed, assembly.end_rows)
     # A sum is finite only if all its terms are: no array of flags as large as the history is needed.
     if not np.isfinite([history.nodal.sum(), history.end_rows.sum()]).all():
@@ -156,7 +160,8 @@ class _Assembly:
         lowest: float,
         highest: float,
     ) -> None:
-        self.hydro, self.field, self.n = hydro, field, field.n
+        refuse_impossible(case)
+        self.case, self.hydro, self.field, self.n = case, hydro, field, field.n
         self.lowest, self.highest = lowest, highest
         self.sections = Sections(case, hydro, frame)
         self.rule = 2 if case.morison.surface == "midpoint" else int(case.morison.distribution == "constant")
@@ -222,7 +227,7 @@ class _Assembly:
                     for j in range(run.stride + 1):
                         splash[at[run.stride * crossed + j]] = True
         eta = np.add(*self.field.elevation(place[splash])) if splash.any() else np.zeros((0, self.n))
-        batch = _Batch(z, self.field.prepare(place), eta, np.where(splash, np.cumsum(splash) - 1, -1))
+        batch = _Batch(place, self.field.prepare(place), eta, np.where(splash, np.cumsum(splash) - 1, -1))
         # Long members first keeps the threads busy to the end.
         tasks = sorted(zip(members, points, strict=True), key=lambda task: -len(task[1]))
         map_threads(lambda task: self._member(task[0], task[1], batch), tasks)
@@ -269,15 +274,18 @@ class _Assembly:
         open_rows: dict[int, Float[np.ndarray, "row time"]],
     ) -> None:
         """Add the loads of one run to the rows of its elements."""
-        sections = self.sections
-        axes, coefficient, current = (
-            sections.axes[run.elements[0]],
-            sections.coefficient(run),
-            sections.current(run),
-        )
+        sections, case, n_axes = self.sections, self.case, self.field.n_axes
+        if case.morison.diffraction != "none":
+            motion = motion.copy()
+            motion[:, n_axes:] += extra_acceleration(
+                self.field, batch.place[points], run.diameter, water_depth=case.water_depth_m,
+                stretching=case.wave.stretching,
+            )  # fmt: skip
+        axes = sections.axes[run.elements[0]]
+        coefficient, current = sections.coefficient(run), sections.current(run)
         q = np.empty((len(run.stations), 3 if sections.axial else 2, self.n))
         sectional(motion, axes, coefficient, current, q)
-        z = batch.z[points]
+        z = batch.place[points, 2]
         for e in run.elements:
             if e not in open_rows:
                 open_rows[e] = np.zeros((self.n_rows, self.n))

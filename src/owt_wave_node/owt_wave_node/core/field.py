@@ -96,7 +96,7 @@ class GridField:
         self._tables = None
         if waves.order == 2:
             packed = replace(waves, omega=self.omega, wavenumber=self.wavenumber, amplitude=self.amplitude)
-            self._tables = pair_tables(packed)
+            self._tables = pair_tables(packed).spaced(self.bins.size)
             self._set_down = set_down(packed)
             self._blocks = _blocks(self.wavenumber, waves.depth)
 

@@ -8,7 +8,9 @@ import numpy as np
 from jaxtyping import Float
 
 from owt_wave_node.core.sea import Waves
+from owt_wave_node.kernels import spectra as _pairs
 from owt_wave_node.kernels import transfer as _kernel
+from owt_wave_node.kernels.simd import ROWS
 
 __all__ = ["PairTables", "Transfer", "pair_tables", "set_down", "transfer"]
 
@@ -67,6 +69,22 @@ class PairTables:
     velocity_difference: Float[np.ndarray, " other"]
     surface_sum: Float[np.ndarray, " pair"]
     surface_difference: Float[np.ndarray, " other"]
+
+    def spaced(self, size: int) -> PairTables:
+        """Return the same for `size` components, with the gaps between rows that the pair sums want."""
+
+        def space(packed: Float[np.ndarray, " pair"], shortest: int) -> Float[np.ndarray, " entry"]:
+            rows = size + ROWS
+            out = np.zeros(rows * (rows + 1) // 2 + _pairs.GAP * (rows + 1))
+            _pairs.spaced(packed, size, shortest, out)
+            return out
+
+        return PairTables(
+            space(self.velocity_sum, 1),
+            space(self.velocity_difference, 0),
+            space(self.surface_sum, 1),
+            space(self.surface_difference, 0),
+        )
 
 
 def pair_tables(waves: Waves) -> PairTables:

@@ -1,7 +1,7 @@
-"""Vector instructions inside numba kernels: the steps of a Fourier transform on four doubles at a time.
+"""Vector instructions inside numba kernels: the innermost steps, on four doubles at a time.
 
-The compiler does not vectorise a butterfly by itself: it cannot know that its inputs and outputs, many
-addresses at distances known only at run time, are apart. Each function here emits the instructions for four
+The compiler does not vectorise these by itself: it cannot know that inputs and outputs, many addresses at
+distances known only at run time, are apart. Each function here emits the instructions for four
 consecutive doubles, on any processor. Nothing checks bounds.
 """
 
@@ -15,9 +15,11 @@ from llvmlite import ir  # type: ignore[import-untyped]
 from numba import types
 from numba.extending import intrinsic
 
-__all__ = ["LANES", "butterfly", "last_butterfly", "twist", "twist_add"]
+__all__ = ["LANES", "ROWS", "add_rows", "butterfly", "twist", "twist_add"]
 
 LANES = 4
+#: Rows that are summed before they are stored.
+ROWS = 4
 _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _FUSE = ("contract",)
 
@@ -136,12 +138,12 @@ def _transform(e: _Emitter, a: list[Pair]) -> list[Pair]:
     return out
 
 
-def _emit_butterfly(e: _Emitter, r: int, *, twiddle: bool) -> None:
+def _emit_butterfly(e: _Emitter, r: int) -> None:
     x_re, x_im, at, step, w_re, w_im, w, y_re, y_im, to, out_step = e.args[1:]
     places = [e.offset(at, step, k) for k in range(r)]
     values = _transform(e, [(e.load(x_re, p), e.load(x_im, p)) for p in places])
     for k, value in enumerate(values):
-        if twiddle and k > 0:
+        if k > 0:
             index = e.offset(w, ir.Constant(w.type, 1), k - 1)
             value = e.multiply(value, (e.scalar(w_re, index), e.scalar(w_im, index)))
         place = e.offset(to, out_step, k)
@@ -161,18 +163,7 @@ def butterfly(typing, radix, x_re, x_im, at, step, w_re, w_im, w, y_re, y_im, to
     """Transform x[at + k step], multiply by w[w + k - 1] and put into y[to + k out_step], k < radix."""
 
     def generate(context, builder, signature, args):
-        _emit_butterfly(_Emitter(context, builder, signature, args), radix.literal_value, twiddle=True)
-        return context.get_dummy_value()
-
-    return _butterfly_signature(radix, x_re, w_re, y_re), generate
-
-
-@intrinsic(prefer_literal=True)
-def last_butterfly(typing, radix, x_re, x_im, at, step, w_re, w_im, w, y_re, y_im, to, out_step):
-    """As :func:`butterfly`, without the factors."""
-
-    def generate(context, builder, signature, args):
-        _emit_butterfly(_Emitter(context, builder, signature, args), radix.literal_value, twiddle=False)
+        _emit_butterfly(_Emitter(context, builder, signature, args), radix.literal_value)
         return context.get_dummy_value()
 
     return _butterfly_signature(radix, x_re, w_re, y_re), generate
@@ -215,3 +206,31 @@ def twist_add(typing, t_re, t_im, at, a_re, a_im, b_re, b_im, x_re, x_im, plus, 
         return context.get_dummy_value()
 
     return _twist_signature(t_re, x_re), generate
+
+
+def _emit_rows(e: _Emitter) -> None:
+    table, e_re, e_im, start, out_re, out_im, at = e.args[:7]
+    places, factors = e.args[7 : 7 + ROWS], e.args[7 + ROWS :]
+    total = e.load(out_re, at), e.load(out_im, at)
+    for r, place in enumerate(places):
+        index = e.offset(start, ir.Constant(start.type, 1), -r)
+        weight = e.load(table, place)
+        term = e.times(weight, e.load(e_re, index)), e.times(weight, e.load(e_im, index))
+        total = e.add(total, e.multiply((e.spread(factors[2 * r]), e.spread(factors[2 * r + 1])), term))
+    e.store(total[0], out_re, at)
+    e.store(total[1], out_im, at)
+
+
+@intrinsic
+def add_rows(
+    typing, table, e_re, e_im, start, out_re, out_im, at, t0, t1, t2, t3, a0, b0, a1, b1, a2, b2, a3, b3
+):
+    """Add sum_r table[t_r] (a_r + i b_r) e[start - r] to out[at], four consecutive ones of each."""
+
+    def generate(context, builder, signature, args):
+        _emit_rows(_Emitter(context, builder, signature, args))
+        return context.get_dummy_value()
+
+    places, numbers = [_PLACE] * ROWS, [types.float64] * (2 * ROWS)
+    signature = types.void(table, e_re, e_im, _PLACE, out_re, out_im, _PLACE, *places, *numbers)
+    return signature, generate

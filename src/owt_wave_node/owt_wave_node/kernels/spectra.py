@@ -7,7 +7,9 @@ The vertical factors split, with K = k_m +- k_n, into
     sinh K(z+d) / cosh K d = [exp(K z) - exp(-K (z + 2 d))] / [1 + exp(-2 K d)]
 
 so that each pair costs a product of per-component factors: no transcendental function is evaluated per
-pair. With consecutive j both m + n and m - n run contiguously with n, and rows add without scatter.
+pair. With consecutive j both m + n and m - n run contiguously with n, and rows add without scatter, four at
+a time. Tables have zeros between their rows, and the factors zeros around them, so that no row has an end to
+take care of: see :func:`spaced`.
 """
 
 from __future__ import annotations
@@ -17,19 +19,49 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["second_elevation", "second_velocity", "warm_up"]
+from owt_wave_node.kernels.simd import LANES, ROWS, add_rows
+
+__all__ = ["GAP", "second_elevation", "second_velocity", "spaced", "warm_up"]
 
 #: Exponent below the dominant pair from which a pair cannot change the sum in double precision.
 NEGLIGIBLE = 40.0
+#: Zeros between the rows of a table, and around the factors of components: more than four rows shifted by one
+#: each and a vector can reach.
+GAP = 12
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
-def _add_row(table, e_re, e_im, a, b, out_re, out_im):
-    """Add table * (a + i b) * e to `out`, all of one length."""
-    for i in range(table.size):
-        t_re, t_im = table[i] * e_re[i], table[i] * e_im[i]
-        out_re[i] += a * t_re - b * t_im
-        out_im[i] += a * t_im + b * t_re
+@njit(cache=True, nogil=True)
+def spaced(packed, size, shortest, out):
+    """Copy rows of `shortest`, `shortest` + 1, ... numbers to `out` with a gap before each.
+
+    Row m of the sums holds n = 0..m (shortest 1), row m of the differences l = m - n = 1..m (shortest 0);
+    `out` has room for `size` + 4 rows and a gap, and holds zeros.
+    """
+    source, to = 0, GAP
+    for m in range(size):
+        count = m + shortest
+        for i in range(count):
+            out[to + i] = packed[source + i]
+        source += count
+        to += count + GAP
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _add_four(table, row, grow, shift, e_re, e_im, start, a_re, a_im, m, low, high, out_re, out_im, to):
+    """Add components m to m + 3 times entries `low` <= i < `high` of their rows to out[to + i].
+
+    Entry i of the first row is table[row + i], with factor e[start + i]; each following row begins `grow`
+    numbers later than the one before, `grow` grows by one, and lies `shift` entries and one factor behind.
+    """
+    a0, b0, a1, b1 = a_re[m], a_im[m], a_re[m + 1], a_im[m + 1]
+    a2, b2, a3, b3 = a_re[m + 2], a_im[m + 2], a_re[m + 3], a_im[m + 3]
+    first, second, third = grow - shift, 2 * grow + 1 - 2 * shift, 3 * grow + 3 - 3 * shift
+    for i in range(low, high, LANES):
+        at = row + i
+        add_rows(
+            table, e_re, e_im, start + i, out_re, out_im, to + i, at, at + first, at + second, at + third,
+            a0, b0, a1, b1, a2, b2, a3, b3,
+        )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
@@ -44,26 +76,29 @@ def _scatter_row(table, e_re, e_im, a, b, to, sign, start, out_re, out_im):
 
 @njit(cache=True, nogil=True)
 def _sums(table, e_re, e_im, k, limit, j, dense, out_re, out_im):
-    """Add the pairs k_m + k_n <= limit of exp(i (psi_m + psi_n))."""
-    n_max = k.size - 1
-    for m in range(k.size):
-        a, b = e_re[m], e_im[m]
+    """Add the pairs k_m + k_n <= limit of exp(i (psi_m + psi_n)).
+
+    Where the j are consecutive, four m at a time, some pairs beyond the limit included.
+    """
+    size, n_max = k.size, k.size - 1
+    for m in range(0, size, ROWS if dense else 1):
         while n_max >= 0 and k[m] + k[n_max] > limit:
             n_max -= 1
-        count = min(m, n_max) + 1
-        if count <= 0:
+        if n_max < 0:
             return
-        if a == 0.0 and b == 0.0:
-            continue
-        row = m * (m + 1) // 2
+        row = m * (m + 1) // 2 + GAP * (m + 1)
         if dense:
-            to = j[m] + j[0]
-            _add_row(
-                table[row : row + count], e_re[:count], e_im[:count], a, b,
-                out_re[to : to + count], out_im[to : to + count],
+            high = min(m + ROWS - 1, n_max) + ROWS
+            _add_four(
+                table, row, m + 1 + GAP, 1, e_re, e_im, GAP, e_re, e_im, GAP + m, 0, high,
+                out_re, out_im, j[m] + j[0],
             )  # fmt: skip
         else:
-            _scatter_row(table[row : row + count], e_re, e_im, a, b, j, 1, j[m], out_re, out_im)
+            count = min(m, n_max) + 1
+            _scatter_row(
+                table[row : row + count], e_re[GAP : GAP + count], e_im[GAP : GAP + count], e_re[GAP + m],
+                e_im[GAP + m], j, 1, j[m], out_re, out_im,
+            )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
@@ -72,30 +107,29 @@ def _differences(
 ):
     """Add the pairs m > n, first <= n < last, k_m - k_n <= limit, of exp(i (psi_m - psi_n)).
 
-    `back` holds the conjugate factors of n in reverse order (index size - 1 - n).
+    `back` holds the conjugate factors of n in reverse order (index size - 1 - n), zero outside the range.
+    Where the j are consecutive, four m at a time, some pairs beyond the limit included.
     """
     size, n_min = k.size, first
-    for m in range(first + 1, size):
-        a, b = e_re[m], e_im[m]
+    for m in range(first + 1, size, ROWS if dense else 1):
         while n_min < m and k[m] - k[n_min] > limit:
             n_min += 1
-        high = min(m, last) - 1
         if n_min >= last:
             return
-        if high < n_min or (a == 0.0 and b == 0.0):
-            continue
-        low_l, count = m - high, high - n_min + 1
-        row = m * (m - 1) // 2 + low_l - 1
-        at = size - 1 - high
+        row = m * (m - 1) // 2 + GAP * (m + 1)
         if dense:
-            _add_row(
-                table[row : row + count], back_re[at : at + count], back_im[at : at + count], a, b,
-                out_re[low_l : low_l + count], out_im[low_l : low_l + count],
+            _add_four(
+                table, row, m + GAP, 0, back_re, back_im, GAP + size - m, e_re, e_im, GAP + m,
+                max(m - last, 0), m + ROWS - 1 - n_min, out_re, out_im, 1,
             )  # fmt: skip
         else:
+            high = min(m, last) - 1
+            if high < n_min:
+                continue
+            low, count, at = m - high - 1, high - n_min + 1, GAP + size - 1 - high
             _scatter_row(
-                table[row : row + count], back_re[at : at + count], back_im[at : at + count], a, b,
-                back_j[at : at + count], -1, j[m], out_re, out_im,
+                table[row + low : row + low + count], back_re[at : at + count], back_im[at : at + count],
+                e_re[GAP + m], e_im[GAP + m], back_j[at - GAP : at - GAP + count], -1, j[m], out_re, out_im,
             )  # fmt: skip
 
 
@@ -109,85 +143,84 @@ def _phases(x, k, amplitude, out_re, out_im):
 
 
 @njit(cache=True, nogil=True)
+def _scaled(x_re, x_im, k, shift, height, first, last, e_re, e_im, back_re, back_im):
+    """Factors x exp((k - shift) height) from component `first` on; conjugate inverses of them up to `last`."""
+    size = k.size
+    back_re[:], back_im[:] = 0.0, 0.0
+    for m in range(first, size):
+        e = math.exp((k[m] - shift) * height)
+        e_re[GAP + m], e_im[GAP + m] = e * x_re[m], e * x_im[m]
+        if m < last:
+            at = GAP + size - 1 - m
+            back_re[at], back_im[at] = x_re[m] / e, -x_im[m] / e
+
+
+@njit(cache=True, nogil=True)
 def second_velocity(x, z, k, j, dense, amplitude, depth, k_peak, blocks, table_sum, table_difference, out):
     """Add the second-order velocities [eq. 4.20, 4.21] to out [point, 2, j].
 
-    `blocks` are the bounds of ranges of n within which exp(2 k d) does not overflow; `k_peak` is the wave
-    number of the largest component, against which a pair is negligible.
+    The tables are spaced. `blocks` are the bounds of ranges of n within which exp(2 k d) does not overflow;
+    `k_peak` is the wave number of the largest component, against which a pair is negligible.
     """
-    size = k.size
-    n_j = out.shape[2]
-    x_re, x_im, e_re, e_im = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
-    f_re, f_im, back_re, back_im = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
+    size, n_j = k.size, out.shape[2]
+    x_re, x_im = np.empty(size), np.empty(size)
+    # Factors e upwards and f of the image below the bed, each with its inverses.
+    e, f = np.zeros((4, size + 2 * GAP)), np.zeros((4, size + 2 * GAP))
+    g, h = np.empty((2, n_j + GAP)), np.empty((2, n_j + GAP))
     back_j = j[::-1].copy()
-    g_re, g_im, h_re, h_im = np.empty(n_j), np.empty(n_j), np.empty(n_j), np.empty(n_j)
     for p in range(x.size):
         up, down = z[p], z[p] + 2.0 * depth
         depth_p = max(-up, 1e-300)
         _phases(x[p], k, amplitude, x_re, x_im)
-        g_re[:], g_im[:], h_re[:], h_im[:] = 0.0, 0.0, 0.0, 0.0
-        for m in range(size):
-            e, f = math.exp(k[m] * up), math.exp(-k[m] * down)
-            e_re[m], e_im[m] = e * x_re[m], e * x_im[m]
-            f_re[m], f_im[m] = f * x_re[m], f * x_im[m]
+        g[:], h[:] = 0.0, 0.0
+        _scaled(x_re, x_im, k, 0.0, up, 0, 0, e[0], e[1], e[2], e[3])
+        _scaled(x_re, x_im, k, 0.0, -down, 0, 0, f[0], f[1], f[2], f[3])
         base = NEGLIGIBLE + 2.0 * k_peak * max(-up, 0.0)
-        _sums(table_sum, e_re, e_im, k, base / depth_p, j, dense, g_re, g_im)
-        _sums(table_sum, f_re, f_im, k, base / down, j, dense, h_re, h_im)
+        _sums(table_sum, e[0], e[1], k, base / depth_p, j, dense, g[0], g[1])
+        _sums(table_sum, f[0], f[1], k, base / down, j, dense, h[0], h[1])
         for i in range(blocks.size - 1):
             first, last = blocks[i], blocks[i + 1]
-            shift = k[first]
-            for m in range(first, size):
-                e, f = math.exp((k[m] - shift) * up), math.exp(-(k[m] - shift) * down)
-                e_re[m], e_im[m] = e * x_re[m], e * x_im[m]
-                f_re[m], f_im[m] = f * x_re[m], f * x_im[m]
-            for n in range(first, last):
-                e = math.exp(-(k[n] - shift) * up)
-                back_re[size - 1 - n], back_im[size - 1 - n] = e * x_re[n], -e * x_im[n]
-            limit = NEGLIGIBLE / depth_p
+            _scaled(x_re, x_im, k, k[first], up, first, last, e[0], e[1], e[2], e[3])
+            _scaled(x_re, x_im, k, k[first], -down, first, last, f[0], f[1], f[2], f[3])
             _differences(
-                table_difference, e_re, e_im, back_re, back_im, k, first, last, limit, j, back_j, dense,
-                g_re, g_im,
+                table_difference, e[0], e[1], e[2], e[3], k, first, last, NEGLIGIBLE / depth_p, j, back_j,
+                dense, g[0], g[1],
             )  # fmt: skip
-            for n in range(first, last):
-                f = math.exp((k[n] - shift) * down)
-                back_re[size - 1 - n], back_im[size - 1 - n] = f * x_re[n], -f * x_im[n]
             _differences(
-                table_difference, f_re, f_im, back_re, back_im, k, first, last, NEGLIGIBLE / down, j, back_j,
-                dense, h_re, h_im,
+                table_difference, f[0], f[1], f[2], f[3], k, first, last, NEGLIGIBLE / down, j, back_j,
+                dense, h[0], h[1],
             )  # fmt: skip
         for i in range(n_j):
-            out[p, 0, i] += complex(g_re[i] + h_re[i], g_im[i] + h_im[i])
-            out[p, 1, i] += 1j * complex(g_re[i] - h_re[i], g_im[i] - h_im[i])
+            out[p, 0, i] += complex(g[0, i] + h[0, i], g[1, i] + h[1, i])
+            out[p, 1, i] += 1j * complex(g[0, i] - h[0, i], g[1, i] - h[1, i])
 
 
 @njit(cache=True, nogil=True)
 def second_elevation(x, k, j, dense, amplitude, set_down, table_sum, table_difference, out):
     """Add the second-order elevation [eq. 4.18], mean `set_down` included, to out [point, j]."""
-    size = k.size
-    n_j = out.shape[1]
-    x_re, x_im, back_re, back_im = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
-    back_j = j[::-1].copy()
-    g_re, g_im = np.empty(n_j), np.empty(n_j)
+    size, n_j = k.size, out.shape[1]
+    x_re, x_im, e = np.empty(size), np.empty(size), np.zeros((4, size + 2 * GAP))
+    g, back_j = np.empty((2, n_j + GAP)), j[::-1].copy()
     for p in range(x.size):
         _phases(x[p], k, amplitude, x_re, x_im)
-        for n in range(size):
-            back_re[size - 1 - n], back_im[size - 1 - n] = x_re[n], -x_im[n]
-        g_re[:], g_im[:] = 0.0, 0.0
-        _sums(table_sum, x_re, x_im, k, np.inf, j, dense, g_re, g_im)
+        _scaled(x_re, x_im, k, 0.0, 0.0, 0, size, e[0], e[1], e[2], e[3])
+        g[:] = 0.0
+        _sums(table_sum, e[0], e[1], k, np.inf, j, dense, g[0], g[1])
         _differences(
-            table_difference, x_re, x_im, back_re, back_im, k, 0, size, np.inf, j, back_j, dense, g_re, g_im
+            table_difference, e[0], e[1], e[2], e[3], k, 0, size, np.inf, j, back_j, dense, g[0], g[1]
         )
         for i in range(n_j):
-            out[p, i] += complex(g_re[i], g_im[i])
+            out[p, i] += complex(g[0, i], g[1, i])
         out[p, 0] += set_down
 
 
 def warm_up() -> None:
     """Compile the kernels."""
     k, x, j, amplitude = np.array([0.04, 0.05]), np.zeros(1), np.array([1, 2]), np.ones(2, dtype=complex)
-    velocity = np.zeros((1, 2, 5), dtype=complex)
+    velocity, table = np.zeros((1, 2, 5), dtype=complex), np.zeros(200)
+    spaced(np.ones(3), 2, 1, table)
     for dense in (True, False):
         second_velocity(
-            x, x - 1.0, k, j, dense, amplitude, 50.0, 0.04, np.array([0, 2]), np.ones(3), np.ones(1), velocity
+            x, x - 1.0, k, j, dense, amplitude, 50.0, 0.04, np.array([0, 2]), table, table, velocity
         )
-        second_elevation(x, k, j, dense, amplitude, -0.1, np.ones(3), np.ones(1), velocity[0])
+        second_elevation(x, k, j, dense, amplitude, -0.1, table, table, velocity[0])

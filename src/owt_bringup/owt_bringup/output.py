@@ -7,6 +7,7 @@ import os
 import sys
 import tempfile
 import time
+import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,7 +17,7 @@ import numpy as np
 
 from owt_model.errors import InputError
 
-__all__ = ["ProgressBar", "atomic_path", "prepare_folder", "write_json", "write_npz"]
+__all__ = ["NpzFile", "ProgressBar", "atomic_path", "npz_file", "prepare_folder", "write_json", "write_npz"]
 
 
 @contextmanager
@@ -86,6 +87,41 @@ def write_npz(path: Path, arrays: dict[str, np.ndarray]) -> None:
     """
     with atomic_path(path) as partial, partial.open("wb") as stream:
         np.savez(stream, allow_pickle=False, **arrays)
+
+
+class NpzFile:
+    """An npz file under way: whole arrays, and one array at a time that is written row by row."""
+
+    def __init__(self, archive: zipfile.ZipFile) -> None:
+        self._archive = archive
+
+    def add(self, name: str, array: np.ndarray) -> None:
+        """Add a whole array."""
+        with self.rows(name, array.shape, array.dtype) as write:
+            write(array)
+
+    @contextmanager
+    def rows(
+        self, name: str, shape: tuple[int, ...], dtype: np.dtype[Any]
+    ) -> Iterator[Callable[[np.ndarray], int]]:
+        """Yield what writes consecutive rows of an array of given shape; `shape` counts them all."""
+        header = {"descr": np.lib.format.dtype_to_descr(dtype), "fortran_order": False, "shape": shape}
+        with self._archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
+            np.lib.format.write_array_header_1_0(stream, header)
+            yield lambda rows: stream.write(np.ascontiguousarray(rows, dtype).data)
+
+
+@contextmanager
+def npz_file(path: Path) -> Iterator[NpzFile]:
+    """Open an npz file that appears at `path` if the block succeeds.
+
+    Raises
+    ------
+    InputError
+        If nothing can be written there.
+    """
+    with atomic_path(path) as partial, zipfile.ZipFile(partial, "w") as archive:
+        yield NpzFile(archive)
 
 
 def write_json(path: Path, data: Any) -> None:

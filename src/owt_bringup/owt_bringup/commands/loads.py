@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from owt_bringup.output import NpzFile
+    from owt_wave_node.core.loads import LoadWindows
 
 HELP = "Morison loads of a case on its jacket: total force and moment, nodal loads"
 
@@ -14,24 +20,52 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.npz", help="file to write")
 
 
-def run(options: argparse.Namespace) -> int:
-    """Compute and write t, force, moment, nodal and where the nodes are."""
-    import numpy as np
+#: Samples of nodal loads that are written at a time.
+ROWS = 256
 
-    from owt_bringup.output import write_npz
+
+def run(options: argparse.Namespace) -> int:
+    """Compute and write t, force, moment, nodal and where the nodes are, window by window."""
+    from owt_bringup.output import npz_file
     from owt_bringup.sea_notes import load_resolved_case, print_warnings
     from owt_model.mesh import build_mesh
     from owt_model.structure import load_structure
 
     case = load_resolved_case(options.case)  # before the costly imports: bad input is refused at once
     mesh = build_mesh(load_structure(case.structure.model))
-    from owt_wave_node.core.loads import jacket_loads
+    from owt_wave_node.core.loads import prepare_loads
+    from owt_wave_node.core.route import make_field
+    from owt_wave_node.core.sea import build_sea_state
 
-    result = jacket_loads(case, mesh)
-    arrays = {name: getattr(result, name) for name in ("t", "force", "moment")}
-    arrays["nodal"] = result.nodal()
-    arrays["node_position_m"] = mesh.node_position
-    arrays["node_name"] = np.array(mesh.node_name)
-    write_npz(options.output, arrays)
+    sea = build_sea_state(case)
+    windows = prepare_loads(case, mesh, sea, make_field(case, sea))
+    with npz_file(options.output) as file:
+        _write(file, windows)
+    if windows.error_estimate > 0.0:
+        print(f"note: waves compressed, estimated error {windows.error_estimate:.1g}", file=sys.stderr)
     print_warnings(case, mesh.structure)
     return 0
+
+
+def _write(file: NpzFile, windows: LoadWindows) -> None:
+    """Write the arrays; the resultants of all windows are kept until the nodal loads are through."""
+    import numpy as np
+
+    from owt_wave_node.core.loads import nodal_rows, resultant
+
+    mesh, n = windows.hydro.mesh, windows.field.n
+    total = []
+    with file.rows("nodal", (n, mesh.n_nodes, 6), np.dtype(float)) as write:
+        for i in range(len(windows)):
+            history = windows.window(i)
+            total.append(resultant(history))
+            for start in range(0, len(total[-1]), ROWS):
+                write(nodal_rows(history, slice(start, min(start + ROWS, len(total[-1])))))
+            del history  # before the next window is computed
+    resultants = np.concatenate(total)
+    file.add("t", np.arange(n) * windows.case.time.dt_s)
+    file.add("force", resultants[:, :3])
+    file.add("moment", resultants[:, 3:])
+    file.add("error_estimate", np.array(windows.error_estimate))
+    file.add("node_position_m", mesh.node_position)
+    file.add("node_name", np.array(mesh.node_name))

@@ -25,7 +25,9 @@ __all__ = [
     "LoadWindows",
     "Loads",
     "jacket_loads",
+    "nodal_rows",
     "prepare_loads",
+    "resultant",
     "surface_range",
     "window_length",
 ]

@@ -7,7 +7,8 @@ from dataclasses import replace
 from owt_model.config import CaseConfig
 from owt_model.contracts import SeaState
 from owt_model.errors import ComputationError
-from owt_wave_node.core.compressed import CompressedField, CompressedSea
+from owt_wave_node.core.compressed import CompressedField
+from owt_wave_node.core.compression import CompressedSea
 from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.directional import DirectionalField
 from owt_wave_node.core.field import Field, GridField

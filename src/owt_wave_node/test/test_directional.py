@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from owt_wave_node.core import directional
+from owt_wave_node.core import directional, directional_sea, lines
 from owt_wave_node.core.directional import DirectionalField
 from owt_wave_node.core.field import Field, Prepared
 from owt_wave_node.core.kinematics import wave_kinematics
-from owt_wave_node.core.lines import FrequencyLines
 from owt_wave_node.core.profile import first_order_profile
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Frame, build_sea_state, waves
 from owt_wave_node.core.wheeler import WheelerField
+from owt_wave_node.core.window import Windowed
 from proofs.directional import ANGLE, MULTIPLE, PLACE, BothSums, crossing, off_grid
 
 POINTS = [[3.0, -7.0, -2.0], [-8.0, 4.0, -27.0], [0.0, 0.0, 2.5], [2.0, 2.0, -50.0]]
@@ -128,21 +128,46 @@ def test_shaped_takes_the_profiles_of_a_level(sea) -> None:
 
 @SEAS
 def test_blocks_of_coefficients_change_nothing(sea, monkeypatch) -> None:
-    """Kept coefficients, and coefficients made on demand for one point at a time."""
+    """Coefficients that are held, and coefficients made on demand for one point at a time."""
     index = np.array([3, 0, 3])
 
     def total(field: Field) -> tuple[Prepared, np.ndarray]:
         prepared = field.prepare(PLACE)
         return prepared, prepared.kinematics(index)
 
-    kept, expected = total(DirectionalField(sea))
-    monkeypatch.setattr(directional, "PREPARED_BYTES", 1)
-    monkeypatch.setattr(directional, "TASK_BYTES", 1)
+    held, expected = total(DirectionalField(sea))
+    monkeypatch.setattr(directional, "HELD_BYTES", 1)
+    monkeypatch.setattr(directional_sea, "TASK_BYTES", 1)
     made, got = total(DirectionalField(sea))
-    assert type(made) is not type(kept)
+    assert type(made) is not type(held)
     assert np.array_equal(got, expected)
     field = DirectionalField(sea)
-    assert difference((field.first(PLACE) + field.second(PLACE))[index], expected) < 1e-14
+    assert difference((field.first(PLACE) + field.second(PLACE))[index], expected) < 1e-13
+
+
+@pytest.mark.parametrize("few", [10**6, 0], ids=["summed", "spread"])
+@SEAS
+def test_windows_are_parts_of_the_record(sea, few: int, monkeypatch) -> None:
+    """By direct sums and by spreading; one after the other with coefficients kept, all of them or few."""
+    whole = DirectionalField(sea)
+    eta, first, second = whole.elevation(PLACE), whole.first(PLACE), whole.second(PLACE)
+    monkeypatch.setattr(lines, "FEW", few)
+    for kept in (2**29, 3000):
+        monkeypatch.setattr(directional, "KEPT_BYTES", kept)
+        field = DirectionalField(sea)
+        for start, count in ((0, 77), (77, 77), (201, 99)):
+            part, cut = field.window(start, count), slice(start, start + count)
+            assert isinstance(field, Windowed)
+            assert part.n == count
+            for _ in range(2):
+                for got, expected in zip(part.elevation(PLACE), eta, strict=True):
+                    assert difference(got, expected[:, cut]) < 1e-11
+                total = part.prepare(PLACE).kinematics(np.array([2, 0]))
+                assert difference(total, (first + second)[[2, 0]][..., cut]) < 1e-11
+            assert difference(part.second(PLACE), second[..., cut]) < 1e-11
+        assert (
+            difference(part.second(PLACE), second[..., 200:299]) > 1e-3
+        )  # the wrong variant: a sample early
 
 
 def test_steady_flow_vanishes_as_frequencies_meet() -> None:
@@ -173,13 +198,19 @@ def test_deep_water_does_not_overflow() -> None:
     assert np.abs(field.second(place)[0, 2]).max() < 1e-12 * np.abs(field.second(place)[2]).max()
 
 
-def test_frequency_lines_against_the_sum() -> None:
+@pytest.mark.parametrize("few", [10**6, 0], ids=["summed", "spread"])
+def test_lines_against_the_sum(few: int, monkeypatch) -> None:
+    monkeypatch.setattr(lines, "FEW", few)
     rng = np.random.default_rng(2)
-    for n in (1, 2, 77, 100):
-        lines = FrequencyLines(rng.uniform(0.0, 3.0, 30), 0.3, n)
+    frequency = np.sort(rng.uniform(0.0, 3.0, 30))
+    for start, count in ((0, 2), (0, 77), (11, 100)):
+        route = lines.listed_lines(frequency, dt=0.3, start=start, count=count)
         y = rng.normal(size=(2, 3, 30)) + 1j * rng.normal(size=(2, 3, 30))
-        phasor = np.exp(1j * np.outer(lines.frequency, 0.3 * np.arange(n)))
-        assert difference(lines.signal(y), (y @ phasor).real) < 1e-13
+        both = np.concatenate([y, 1j * frequency * y], axis=1)
+        phasor = np.exp(1j * np.outer(frequency, 0.3 * np.arange(start, start + count)))
+        got = route.series(route.load(y), np.array([1, 0]), channels=6)
+        assert difference(got, (both @ phasor).real[[1, 0]]) < 1e-11
+        assert difference(route.series(route.load(y), np.array([1]), channels=3), got[:1, :3]) < 1e-12
 
 
 def test_heading_of_listed_directions_is_no_choice(listed) -> None:

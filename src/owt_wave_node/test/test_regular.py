@@ -146,6 +146,20 @@ def test_a_window_is_a_part_of_the_record() -> None:
     assert np.array_equal(field.prepare(place).kinematics(np.array([1])), field.first(place[1:]))
 
 
+def test_a_record_that_repeats_itself_is_summed_once() -> None:
+    case = regular(time={"dt_s": 0.1, "n": 6000}, phase_rad=0.3)
+    sea = build_sea_state(case)
+    field, other = make_field(case, sea), make_field(case, sea)
+    place = np.array([[3.0, 0.0, -4.0]])
+    assert field._repeat == 100
+    other._repeat = 6000
+    assert np.abs(field.first(place) - other.first(place)).max() < 1e-9
+    other._repeat = 101  # the wrong variant
+    assert np.abs(field.first(place) - other.first(place)).max() > 0.1
+    never = regular(time={"dt_s": 0.1, "n": 6000}, height_m=8.0, length_m=150.0)
+    assert make_field(never, build_sea_state(never))._repeat == 6000
+
+
 def test_above_the_crest_the_profile_goes_on_along_its_tangent() -> None:
     case = regular(height_m=17.0, period_s=14.0)
     field = make_field(case, build_sea_state(case))

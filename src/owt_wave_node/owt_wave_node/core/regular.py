@@ -30,6 +30,12 @@ __all__ = ["RegularField", "regular_sea_state"]
 
 #: Samples whose harmonics are held at a time.
 BLOCK = 4096
+#: Share of the first harmonic, at the crest, below which the last ones are left out.
+NEGLIGIBLE = 1e-17
+#: Phase in rad that a record may drift by, over all of it, and still repeat itself.
+DRIFT = 1e-10
+#: Samples after which a repetition is not looked for.
+LATE = 100_000
 
 
 def _wave_of(case: CaseConfig) -> SteadyWave:
@@ -79,8 +85,19 @@ def regular_sea_state(case: CaseConfig) -> SeaState:
     )
 
 
+def _repeats(omega: float, dt: float, n: int) -> int:
+    """Samples after which a record of n samples repeats itself; n if it does not, or late."""
+    count = np.arange(1, min(n, LATE) + 1)
+    turns = count * (omega * dt / (2.0 * np.pi))
+    drift = 2.0 * np.pi * np.abs(turns - np.round(turns)) * (n / count)
+    found = np.flatnonzero((drift <= DRIFT) & (np.round(turns) >= 1))
+    return int(count[found[0]]) if found.size else n
+
+
 class RegularField:
     """A Stokes or stream function wave: a Fourier series of few harmonics, summed directly.
+
+    A record that repeats itself, as one of 10 s waves sampled every 0.1 s does, is summed once.
 
     At a point between trough and crest the series is evaluated at the point's own level at all times, also
     while the point is dry. Above the crest, where its high harmonics would explode, it continues along its
@@ -92,7 +109,13 @@ class RegularField:
         self.n_axes, self.n, self._start = 2, sea.n, 0
         self._dt, self._depth = sea.dt_s, sea.water_depth_m
         self._phase = float(sea.phase_rad[0])
-        self._harmonic = np.arange(1, wave.elevation.size + 1)
+        self._repeat = _repeats(wave.omega, sea.dt_s, sea.n)
+        harmonic = np.arange(1, wave.elevation.size + 1)
+        at_crest = harmonic * wave.speed * np.exp(harmonic * wave.wavenumber * wave.crest)
+        size = np.maximum(np.abs(at_crest / at_crest[0]), np.abs(wave.elevation / wave.elevation[0]))
+        count = int(np.flatnonzero(size > NEGLIGIBLE)[-1]) + 1
+        self._harmonic = harmonic[:count]
+        self._elevation, self._speed = wave.elevation[:count], wave.speed[:count]
         self.wavenumber = self._harmonic * wave.wavenumber
 
     def window(self, start: int, count: int) -> RegularField:
@@ -108,17 +131,18 @@ class RegularField:
         phase = np.outer(place[:, 0] * self._wave.wavenumber + self._phase, self._harmonic)
         here = coefficient * np.exp(-1j * phase)[:, None, :]
         factors = np.concatenate([here.real, -here.imag], axis=2)
-        out = np.empty((*coefficient.shape[:2], self.n))
-        for start in range(0, self.n, BLOCK):
-            t = (self._start + np.arange(start, min(start + BLOCK, self.n))) * self._dt
+        summed = min(self.n, self._repeat)
+        out = np.empty((*coefficient.shape[:2], summed))
+        for start in range(0, summed, BLOCK):
+            t = (self._start + np.arange(start, min(start + BLOCK, summed))) * self._dt
             turn = np.exp(1j * self._wave.omega * t)
             phasor = np.cumprod(np.broadcast_to(turn, (self._harmonic.size, t.size)), axis=0)
             out[:, :, start : start + t.size] = factors @ np.concatenate([phasor.real, phasor.imag])
-        return out
+        return out if summed == self.n else np.take(out, np.arange(self.n) % summed, axis=2)
 
     def elevation(self, place: Place) -> tuple[Series, Series]:
         """Elevation of all orders in m, and zeros: the orders of these theories are not apart."""
-        amplitude = np.tile(self._wave.elevation.astype(complex), (len(place), 1, 1))
+        amplitude = np.tile(self._elevation.astype(complex), (len(place), 1, 1))
         return self._sum(place, amplitude)[:, 0], np.zeros((len(place), self.n))
 
     def first(self, place: Place) -> Kinematics:
@@ -133,8 +157,8 @@ class RegularField:
 
     def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
         """Kinematics with given vertical factors of the harmonics instead of those of a level."""
-        u = self._wave.speed * horizontal
-        w = 1j * self._wave.speed * vertical
+        u = self._speed * horizontal
+        w = 1j * self._speed * vertical
         rate = 1j * self._harmonic * self._wave.omega
         return self._sum(place, np.stack([u, w, rate * u, rate * w], axis=1))
 

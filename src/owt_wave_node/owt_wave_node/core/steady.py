@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -181,7 +181,7 @@ def _of_period(trial: Trial, period: float, *, height: float, depth: float, grav
         wave = trial(length)
         error = wave.period - period
         if abs(error) <= tolerance * period:
-            return wave
+            return replace(wave, omega=omega)
         if previous is not None and wave.length != previous.length:
             slope = (wave.period - previous.period) / (wave.length - previous.length)
         previous, length = wave, length - error / slope

@@ -34,6 +34,8 @@ RIPPLE = 1e-2
 EASY = 0.95
 #: Longest wave of a period over the linear one (solitary waves come to 1.3, deep water to 1.2).
 LONGEST = 1.4
+#: Length of the highest wave of a period over that of the linear one, roughly: for a message.
+STEEPEST = 1.2
 #: Round-off of the period over depth / height: low waves are a small part of their equations.
 ROUND_OFF = 1e-14
 DEFAULT_ORDER = {"airy": 1, "stokes": 5, "stream": 20}
@@ -185,11 +187,11 @@ def _of_period(trial: Trial, period: float, *, height: float, depth: float, grav
         if previous is not None and wave.length != previous.length:
             slope = (wave.period - previous.period) / (wave.length - previous.length)
         previous, length = wave, length - error / slope
-    limit = highest_wave(LONGEST * linear, depth)
+    limit = highest_wave(STEEPEST * linear, depth)
     raise InputError(
         "regular.height_m",
         height,
-        f"has no wave of period {period:g} s here; the highest is lower than {limit:.3g} m",
+        f"must be at most about {limit:.3g} m, the highest regular wave of period {period:g} s here",
         "Lower it, or give a longer period.",
     )
 

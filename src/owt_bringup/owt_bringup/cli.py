@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
+from owt_bringup.startup import start_quickly
 from owt_model.errors import OwtError
 
 __all__ = ["main"]
@@ -52,6 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     command = arguments[0] if arguments and arguments[0] in COMMANDS else None
     try:
         options = _parser(command).parse_args(arguments)
+        start_quickly()
         return int(options.run(options))
     except OwtError as error:
         return _fail(str(error))

@@ -11,6 +11,7 @@ from owt_wave_node.core import directional, directional_sea, lines
 from owt_wave_node.core.directional import DirectionalField
 from owt_wave_node.core.field import Field, Prepared
 from owt_wave_node.core.kinematics import wave_kinematics
+from owt_wave_node.core.loads import MARGIN, SAFETY, surface_range
 from owt_wave_node.core.profile import first_order_profile
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Frame, build_sea_state, waves
@@ -226,3 +227,17 @@ def test_heading_of_listed_directions_is_no_choice(listed) -> None:
     got = field.second(frame.place(np.array(POINTS)))[:, :3].transpose(2, 0, 1)
     assert difference(frame.turn_back(got), wave_kinematics(case).velocity2) < 1e-13
     assert len(MULTIPLE) == field.wavenumber.size
+
+
+def test_range_of_the_surface_covers_the_area() -> None:
+    """Loads take from it which segments stay dry: along a line through the middle it is too small."""
+    field = component_field(crossing())
+    corners = np.array([[x, y, 0.0] for x in (-12.0, 12.0) for y in (-9.0, 9.0)])
+    low, high = surface_range(field, corners, 20.0)
+    rng = np.random.default_rng(1)
+    place = np.column_stack([rng.uniform(-12.0, 12.0, 200), rng.uniform(-9.0, 9.0, 200), np.zeros(200)])
+    eta = np.add(*field.elevation(place))
+    assert SAFETY * low - MARGIN < eta.min()
+    assert eta.max() < SAFETY * high + MARGIN
+    middle = np.add(*field.elevation(np.column_stack([np.linspace(-12.0, 12.0, 30), np.zeros((30, 2))])))
+    assert eta.max() > SAFETY * middle.max() + MARGIN  # the wrong variant: the heading only

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -188,7 +189,9 @@ def jacket_loads(case: CaseConfig, mesh: Mesh) -> Loads:
 
 
 def surface_range(field: Field, place: Float[np.ndarray, "point 3"], shortest: float) -> tuple[float, float]:
-    """Lowest and highest surface in m over the record and over the width that `place` spans along the waves.
+    """Lowest and highest surface in m over the record, and over the width that `place` spans along the waves.
+
+    Short crests are lower at some places across the heading than at others: over the area that `place` spans.
 
     Parameters
     ----------
@@ -199,11 +202,16 @@ def surface_range(field: Field, place: Float[np.ndarray, "point 3"], shortest: f
     shortest : float
         Length in m of the shortest wave.
     """
-    x = place[:, 0]
-    width = float(np.ptp(x))
-    count = int(min(MAX_GAUGES, np.ceil(width / shortest * GAUGES_PER_WAVE) + 1))
-    gauges = np.zeros((count, 3))
-    gauges[:, 0] = np.linspace(float(x.min()), float(x.max()), count)
+    crossing = field.n_axes == 3
+    most = math.isqrt(MAX_GAUGES) if crossing else MAX_GAUGES
+
+    def line(x: Float[np.ndarray, " point"]) -> Float[np.ndarray, " gauge"]:
+        count = min(most, math.ceil(float(np.ptp(x)) / shortest * GAUGES_PER_WAVE) + 1)
+        return np.linspace(float(x.min()), float(x.max()), count)
+
+    along, across = line(place[:, 0]), line(place[:, 1]) if crossing else np.zeros(1)
+    x, y = np.meshgrid(along, across)
+    gauges = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     low, high = np.inf, -np.inf
     for part, places in _pieces(field, gauges):
         first, second = part.elevation(places)

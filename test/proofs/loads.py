@@ -196,7 +196,8 @@ def equilibrium(variant: str) -> float:
     mesh = column(top=(5.0, -4.0, -2.0), elements=3)
     case = listed(
         [OMEGA, 2.0 * OMEGA], [0.5, 0.2], [0.0, 1.0], direction=[25.0, 60.0], water_depth_m=DEPTH,
-        current=CURRENT, time={"dt_s": 0.1, "n": 100}, wave={"order": 1, "stretching": "taylor"}, morison={"cd": CD, "cm": CM},
+        current=CURRENT, time={"dt_s": 0.1, "n": 100},
+        wave={"order": 1, "stretching": "taylor"}, morison={"cd": CD, "cm": CM},
     )  # fmt: skip
     hydro = build_hydro_mesh(mesh, water_depth=DEPTH, longest=0.7, levels=[z for z, _ in CD + CM])
     got = submerged(case, mesh, hydro)

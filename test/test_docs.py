@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 from functools import cache
 from pathlib import Path
@@ -11,7 +12,8 @@ from typing import get_args
 import pytest
 from pydantic import BaseModel
 
-from owt_model.config import CaseConfig
+from owt_model.config import CaseConfig, parse_case
+from owt_model.errors import InputError
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "examples" / "README.md"])
@@ -75,3 +77,14 @@ def test_linked_files_are_there(path: Path) -> None:
     targets = re.findall(r"\]\(([^)#\s]+)", path.read_text(encoding="utf-8"))
     local = [target for target in targets if "://" not in target]
     assert [target for target in local if not (path.parent / target).exists()] == []
+
+
+def test_case_lines_of_the_readme_are_valid() -> None:
+    """Every line of the README that shows part of a case is one that the configuration takes."""
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    lines = re.findall(r'^    ("\w+": \{.*\})', page, re.MULTILINE)
+    assert len(lines) >= 9
+    for line in lines:
+        parse_case(json.loads("{" + line + "}"))
+    with pytest.raises(InputError):
+        parse_case(json.loads('{"sea_state": {"hs": 6}}'))

@@ -14,7 +14,12 @@ def main(names: list[str]) -> int:
     proofs, failed = proofs_of(*names), 0
     for proof in proofs:
         start = time.perf_counter()
-        values = found(proof)
+        try:
+            values = found(proof)
+        except Exception as error:  # the others are to be seen as well
+            failed += 1
+            print(f"{proof.key}:\n    FAILED {type(error).__name__}: {str(error).splitlines()[0]}")
+            continue
         wrong = ", ".join(f"{name}: {value:.2g}" for name, value in values.wrong.items())
         print(
             f"{proof.key}: {values.right:.2g} (allowed {proof.allowed:g}) | {wrong}"

@@ -144,7 +144,7 @@ def _phases(x, k, amplitude, out_re, out_im):
 
 @njit(cache=True, nogil=True)
 def _scaled(x_re, x_im, k, shift, height, first, last, e_re, e_im, back_re, back_im):
-    """Factors x exp((k - shift) height) from component `first` on; conjugate inverses of them up to `last`."""
+    """Factors x exp((k - shift) height) from component `first` on; their conjugate inverses up to `last`."""
     size = k.size
     back_re[:], back_im[:] = 0.0, 0.0
     for m in range(first, size):

@@ -222,3 +222,88 @@ def test_report_of_a_damaged_bag_is_one_line(tmp_path: Path, capsys: pytest.Capt
     assert main(["report", str(bag)]) == 1
     one_line(capsys.readouterr().err)
     assert sorted(p.name for p in bag.iterdir()) == ["bag_0.mcap"]
+
+
+def test_sea_prints_a_table_and_json(
+    case: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = case(), tmp_path / "sea.json"
+    assert main(["sea", str(path), "-o", str(out)]) == 0
+    table, err = capsys.readouterr()
+    assert "significant wave height Hm0" in table
+    assert "inertia" in table
+    assert all(line.startswith("warning: ") for line in err.splitlines())
+    assert main(["sea", str(path), "--json"]) == 0
+    printed, err = capsys.readouterr()
+    assert err == ""
+    data = json.loads(printed)
+    assert data == json.loads(out.read_text())
+    assert data["spectrum"]["hm0_m"] == pytest.approx(3.0, rel=1e-12)
+    assert data["record"]["first_order"]["n_waves"] > 1
+    assert [m["diameter_m"] for m in data["regime"]["members"]] == [2.082, 1.2, 0.8]
+    assert data["warnings"] == []
+    assert main(["sea", str(case(sea_state={})), "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["warnings"]) == 1
+
+
+def test_a_flat_sea_has_no_statistics(
+    case: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flat = {"sea_state": None, "components": {"omega_rad_s": [1.0], "amplitude_m": [0.0], "phase_rad": [0.0]}}
+    path = case(**flat, points_m=[[0, 0, -5]])
+    assert main(["sea", str(path)]) == 1
+    one_line(capsys.readouterr().err)
+    assert main(["waves", str(path), "-o", str(tmp_path / "out.npz")]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_warnings_follow_the_result(
+    case: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line each on standard error, none for a case within every range."""
+    steep = {"sea_state": {"hs_m": 3.0, "tp_s": 4.5, "cutoff_over_peak": 3.0}}
+    for command, more in (("waves", {"points_m": [[0, 0, -5]]}), ("loads", {})):
+        out = tmp_path / f"{command}.npz"
+        assert main([command, str(case(**steep, **more)), "-o", str(out)]) == 0
+        lines = capsys.readouterr().err.splitlines()
+        assert out.exists()
+        assert len(lines) == 2
+        assert all(line.startswith("warning: ") for line in lines)
+        calm = {"sea_state": {"hs_m": 3.0, "tp_s": 8.0, "cutoff": "steepness"}}
+        assert main([command, str(case(**calm, **more)), "-o", str(out)]) == 0
+        assert capsys.readouterr().err == ""
+
+
+def test_a_measured_record_drives_waves_and_simulate(
+    case: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The record comes back at its gauge; one line tells the residual; the run's case holds components."""
+    record, out = tmp_path / "gauge.csv", tmp_path / "out.npz"
+    omega = (2.0 * np.pi / 30.0 * np.array([4.0, 5.0, 6.0])).tolist()
+    sea: dict[str, Any] = {
+        "sea_state": None,
+        "components": {"omega_rad_s": omega, "amplitude_m": [0.6, 1.2, 0.3], "phase_rad": [0.0, 1.0, 2.0]},
+    }
+    point = {"points_m": [[5.0, 0.0, 0.0]]}
+    assert main(["waves", str(case(**sea, **point)), "-o", str(out)]) == 0
+    with np.load(out) as data:
+        t, eta1, elevation = data["t"], data["eta1"][:, 0], (data["eta1"] + data["eta2"])[:, 0]
+    record.write_text("\n".join(f"{a:.1f},{b!r}" for a, b in zip(t, elevation.tolist(), strict=True)))
+    capsys.readouterr()
+    sea = {
+        "sea_state": None,
+        "measured": {"path": str(record), "place_m": [5.0, 0.0], "cutoff_rad_s": 1.5, "tolerance": 1e-9},
+    }
+    assert main(["waves", str(case(**sea, **point)), "-o", str(out)]) == 0
+    err = capsys.readouterr().err.splitlines()
+    assert err[0].startswith("note: ")
+    assert "residual" in err[0]
+    with np.load(out) as data:
+        np.testing.assert_allclose((data["eta1"] + data["eta2"])[:, 0], elevation, atol=1e-7)
+        np.testing.assert_allclose(data["eta1"][:, 0], eta1, atol=1e-7)
+    assert np.abs(elevation - eta1).max() > 1e-2  # negative control: the record is not the first order
+    assert main(["simulate", str(case(**sea)), "-o", str(tmp_path / "run")]) == 0
+    assert "note: " in capsys.readouterr().err
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["case"]["measured"] is None
+    assert len(summary["case"]["components"]["omega_rad_s"]) == 7

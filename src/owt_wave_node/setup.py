@@ -15,7 +15,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
     ],
-    install_requires=["setuptools", "jaxtyping", "numba"],
+    install_requires=["setuptools", "jaxtyping", "numba", "raschii", "wavespectra", "h5netcdf", "h5py"],
     extras_require={"test": ["beartype", "pytest", "pytest-timeout"]},
     zip_safe=False,
     maintainer="owt maintainers",

@@ -156,6 +156,14 @@ def test_load_regimes() -> None:
     }
 
 
+def test_coefficients_by_level() -> None:
+    """Drag over inertia with the coefficients at still water; none without inertia."""
+    plain, table = regime(), regime(morison={"cd": [[-20.0, 0.7], [0.0, 2.0]]})
+    assert plain.members[1].drag_over_inertia is not None
+    assert table.members[1].drag_over_inertia == pytest.approx(2.0 * plain.members[1].drag_over_inertia)
+    assert regime(morison={"cm": 0.0}).members[1].drag_over_inertia is None
+
+
 def test_listed_components_and_regular_waves_are_classified_too() -> None:
     listed = regime(components={"omega_rad_s": [0.6], "amplitude_m": [2.0], "phase_rad": [0.0]})
     assert listed.wave.height_m == pytest.approx(4.0 * 2.0 / math.sqrt(2.0))

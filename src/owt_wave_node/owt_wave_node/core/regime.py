@@ -13,6 +13,7 @@ import numpy as np
 from owt_model.config import CaseConfig
 from owt_model.contracts import SeaState
 from owt_model.structure import Structure
+from owt_wave_node.core.coefficients import coefficient_at
 from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.sea_statistics import component_statistics
 from owt_wave_node.core.wave_theory import (
@@ -49,8 +50,8 @@ class MemberRegime:
         current.
     length_over_diameter, diffraction : float
         L/D and pi D/L.
-    drag_over_inertia : float
-        Largest drag over largest inertia force at the highest wet point, Cd KC / (pi^2 Cm).
+    drag_over_inertia : float, optional
+        Largest drag over largest inertia force at the highest wet point, Cd KC / (pi^2 Cm); None at Cm 0.
     load : str
         "diffraction", "inertia", "inertia and drag" or "drag".
     """
@@ -62,7 +63,7 @@ class MemberRegime:
     reynolds: tuple[float, float]
     length_over_diameter: float
     diffraction: float
-    drag_over_inertia: float
+    drag_over_inertia: float | None
     load: str
 
 
@@ -172,7 +173,8 @@ def _member(
     current = np.linalg.norm(current_velocity(case, np.array([top, bottom])), axis=1)
     speed = [orbital_speed(wave, z) + float(v) for z, v in zip((top, bottom), current, strict=True)]
     kc = speed[0] * wave.period_s / diameter, speed[1] * wave.period_s / diameter
-    cd, cm = _at(case.morison.cd, top), _at(case.morison.cm, top)
+    at = np.array([top])
+    cd, cm = (float(coefficient_at(value, at)[0]) for value in (case.morison.cd, case.morison.cm))
     if diameter / wave.length_m > MAX_DIAMETER_OVER_LENGTH:
         load = "diffraction"
     else:
@@ -185,17 +187,9 @@ def _member(
         reynolds=(speed[0] * diameter / VISCOSITY, speed[1] * diameter / VISCOSITY),
         length_over_diameter=wave.length_m / diameter,
         diffraction=math.pi * diameter / wave.length_m,
-        drag_over_inertia=cd * kc[0] / (math.pi**2 * cm) if cm > 0.0 else math.inf,
+        drag_over_inertia=cd * kc[0] / (math.pi**2 * cm) if cm > 0.0 else None,
         load=load,
     )
-
-
-def _at(coefficient: float | tuple[tuple[float, float], ...], z: float) -> float:
-    """Coefficient at a level."""
-    if not isinstance(coefficient, tuple):
-        return float(coefficient)
-    level, value = np.array(sorted(coefficient)).T
-    return float(np.interp(z, level, value))
 
 
 def _warnings(case: CaseConfig, found: SeaRegime) -> tuple[str, ...]:

@@ -168,13 +168,13 @@ class DirectionalSea:
     def _add_second(self, place: Place, out: Coefficients) -> None:
         """Add the second order, level by level."""
         waves = self.waves
-        level = np.round(second_order_level(place[:, 2].copy(), waves.stretching), LEVEL_DIGITS)
-        z, where = np.unique(level, return_inverse=True)
+        level = second_order_level(place[:, 2].copy(), waves.stretching)
+        _, one, where = np.unique(np.round(level, LEVEL_DIGITS), return_index=True, return_inverse=True)
         chunk = self._chunk(len(place))
         order, ends = np.argsort(where, kind="stable"), np.cumsum(np.bincount(where))
         tasks = [
             (here, points[at])
-            for here, points in zip(z.tolist(), np.split(order, ends[:-1]), strict=True)
+            for here, points in zip(level[one].tolist(), np.split(order, ends[:-1]), strict=True)
             for at in slices(points.size, chunk)
         ]
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
-from owt_model.pod import load_basis
+from owt_model.pod import Scatter, load_basis
 
 RNG = np.random.default_rng(3)
 NODE = np.arange(4)
@@ -72,3 +73,38 @@ def test_lanczos_agrees_with_the_dense_decomposition() -> None:
     # Negative control: the vectors of the history whose mean is left in are others.
     _, _, wrong = np.linalg.svd(centred + 1.0, full_matrices=False)
     assert np.abs(np.abs(basis.vectors.reshape(6, -1) @ wrong[:6].T) - np.eye(6)).max() > 1e-3
+
+
+def gathered(nodal: np.ndarray, cuts: list[int], n_vectors: int) -> LoadBasis:
+    scatter = Scatter()
+    for part in np.split(nodal, cuts):
+        scatter.add(part)
+    return scatter.basis(np.arange(nodal.shape[1]), n_vectors, model_hash="h")
+
+
+@pytest.mark.parametrize(("loaded", "n"), [(4, 400), (60, 1700)])
+def test_windows_give_the_basis_of_the_whole(loaded: int, n: int) -> None:
+    """Dense and Lanczos, windows of any length, also of one snapshot; a mean that drifts."""
+    shapes = np.linalg.qr(RNG.standard_normal((6 * loaded, 6 * loaded)))[0].reshape(-1, loaded, 6)
+    decay = 0.8 ** np.arange(6 * loaded)
+    nodal = np.tensordot(RNG.standard_normal((n, 6 * loaded)) * decay, shapes, axes=1)
+    nodal += np.linspace(0.0, 3.0, n)[:, None, None] * RNG.standard_normal((loaded, 6))
+    whole = load_basis(nodal, np.arange(loaded), 5, model_hash="h")
+    parts = gathered(nodal, [1, 130, 131, n - 90], 5)
+    assert parts.snapshots == n
+    np.testing.assert_allclose(parts.mean, whole.mean, rtol=0, atol=1e-13 * np.abs(nodal).max())
+    np.testing.assert_allclose(parts.singular_values, whole.singular_values, rtol=1e-12)
+    np.testing.assert_allclose(parts.vectors, whole.vectors, rtol=0, atol=1e-8)
+    assert parts.total_variance == pytest.approx(whole.total_variance, rel=1e-12)
+    # Negative control: windows that each lose their own mean, the means never brought together.
+    own = np.concatenate([part - part.mean(axis=0) for part in np.split(nodal, [1, 130, 131, n - 90])])
+    wrong = load_basis(own, np.arange(loaded), 5, model_hash="h")
+    assert np.abs(wrong.vectors - whole.vectors).max() > 1e-3
+
+
+def test_windows_refuse_more_vectors_than_shapes() -> None:
+    nodal = history()
+    assert gathered(nodal, [200], 3).vectors.shape == (3, 4, 6)
+    assert gathered(nodal, [200], 0).total_variance > 0.0
+    with pytest.raises(InputError, match="this one has 3"):
+        gathered(nodal, [200], 4)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owt_model.config import parse_case
-from owt_wave_node.core.loads import jacket_loads
+from owt_model.config import CaseConfig, parse_case
+from owt_model.errors import InputError
+from owt_wave_node.core.hydro_mesh import case_hydro_mesh
+from owt_wave_node.core.loads import HELD_BYTES, jacket_loads, window_length
 from owt_wave_node.core.stage import WaveStage, build_wave_stage
 
 
@@ -91,3 +93,83 @@ def test_same_seed_same_numbers(case, oc4, stage: WaveStage) -> None:
     other = case.model_copy(update={"sea_state": case.sea_state.model_copy(update={"seed": 2})})
     one, another = stage.elevation_block(0), build_wave_stage(other, oc4).elevation_block(0)
     assert not np.allclose(another.total, one.total)
+
+
+def cut(n: int = 520, **wave: object) -> CaseConfig:
+    return parse_case({"time": {"dt_s": 0.1, "n": n}, "sea_state": {"hs_m": 4.0, "tp_s": 8.0}, "wave": wave})
+
+
+@pytest.fixture(scope="module")
+def windowed(oc4) -> WaveStage:
+    return build_wave_stage(cut(window=130), oc4)
+
+
+@pytest.fixture(scope="module")
+def whole(oc4) -> WaveStage:
+    return build_wave_stage(cut(), oc4)
+
+
+def test_length_of_windows(oc4) -> None:
+    def lengths(case: CaseConfig) -> tuple[int, int]:
+        hydro = case_hydro_mesh(case, oc4, lowest=-3.0)
+        length = window_length(case, hydro)
+        held = 8 * length * (6 * hydro.node.size + 8 * np.intersect1d(oc4.end_element, hydro.element).size)
+        return length, held
+
+    assert lengths(cut(6000))[0] == 6000
+    for n in (6001, 18000, 108_000, 1_000_000):
+        length, held = lengths(cut(n))
+        assert length % 50 == 0
+        assert length <= 6000
+        assert held <= HELD_BYTES
+        assert held > 0.8 * HELD_BYTES or -(-n // length) <= 2
+    assert lengths(cut(520, window=520))[0] == 520
+    assert lengths(cut(520, window=130))[0] == 150  # in equal parts, rounded to the stream's blocks
+    assert lengths(cut(520, window=64))[0] == 100
+
+
+def test_windows_and_the_whole_record_agree(windowed: WaveStage, whole: WaveStage) -> None:
+    assert len(windowed.windows) == 4
+    assert len(whole.windows) == 1
+    assert windowed.error_estimate < 1e-8
+    assert whole.error_estimate == 0.0
+    scale = np.abs(whole.history().nodal).max()
+    assert windowed.n_blocks == whole.n_blocks == 11
+    for i in range(11):
+        one, other = windowed.load_block(i), whole.load_block(i)
+        assert (one.start, one.last, one.sequence) == (other.start, other.last, other.sequence)
+        assert np.abs(one.nodal - other.nodal).max() < 1e-8 * scale
+        assert np.abs(one.fixed_end - other.fixed_end).max() < 1e-8 * np.abs(whole.history().end_rows).max()
+        assert np.abs(windowed.elevation_block(i).total - whole.elevation_block(i).total).max() < 1e-7
+        # Negative control: the next block is another one.
+        if i < 9:
+            assert np.abs(one.nodal - whole.load_block(i + 1).nodal).max() > 1e-3 * scale
+
+
+def test_blocks_in_any_order_are_the_same_bits(windowed: WaveStage, oc4) -> None:
+    again = build_wave_stage(cut(window=130), oc4)
+    again.load_basis(3)
+    for i in (10, 0, 5, 4, 5):
+        assert np.array_equal(again.load_block(i).nodal, windowed.load_block(i).nodal)
+        assert np.array_equal(again.elevation_block(i).total, windowed.elevation_block(i).total)
+
+
+def test_basis_of_windows_is_that_of_the_record(windowed: WaveStage, whole: WaveStage) -> None:
+    one, other = windowed.load_basis(4), whole.load_basis(4)
+    assert one.snapshots == other.snapshots == 520
+    assert np.abs(one.singular_values / other.singular_values - 1.0).max() < 1e-7
+    assert (
+        np.abs(one.vectors - other.vectors).max() < 1e-6
+    )  # shapes are apart by a tenth, loads agree to 1e-8
+    assert np.abs(one.mean - other.mean).max() < 1e-8 * np.abs(whole.history().nodal).max()
+
+
+def test_the_surface_of_all_windows_is_looked_at(oc4) -> None:
+    """A crest in the last window is refused before the first block."""
+    period = 9.0
+    listed = {"omega_rad_s": [2 * np.pi / period, 1.01 * 2 * np.pi / period], "amplitude_m": [9.0, 9.0]}
+    late = {"components": listed | {"phase_rad": [0.0, np.pi]}, "wave": {"order": 1, "window": 100}}
+    short = parse_case(late | {"time": {"dt_s": 0.5, "n": 60}})  # waves cancel at first
+    assert len(build_wave_stage(short, oc4).windows) == 1
+    with pytest.raises(InputError, match="raises the surface"):
+        build_wave_stage(parse_case(late | {"time": {"dt_s": 0.5, "n": 900}}), oc4)

@@ -27,7 +27,7 @@ class CompressedField:
         self._sea, self._window = sea, sea.record if window is None else window
         self.waves, self.n_axes, self.n = sea.waves, 2, self._window.count
         self.wavenumber = sea.wavenumber
-        self._kept: dict[str, tuple[int, list[Table]]] = {}
+        self._kept: dict[str, tuple[int, list[Complex[np.ndarray, "bin node"]]]] = {}
 
     @property
     def error_estimate(self) -> float:
@@ -41,14 +41,14 @@ class CompressedField:
         begin = self._window.start + start
         return CompressedField(self._sea, self._sea.window(begin, count))
 
-    def _tables(self, part: str, stretch: int) -> list[Table]:
+    def _tables(self, part: str, stretch: int) -> list[Complex[np.ndarray, "bin node"]]:
         """Coefficients [bin, node] of "velocity" or "surface" on this window's grid, both orders."""
         if part not in self._kept or self._kept[part][0] != stretch:
             tables = getattr(self._sea.pairs(stretch), part)
             self._kept[part] = (stretch, [self._on_window(table) for table in tables])
         return self._kept[part][1]
 
-    def _on_window(self, table: Table) -> Table:
+    def _on_window(self, table: Table) -> Complex[np.ndarray, "bin node"]:
         sea, window = self._sea, self._window
         if window is sea.record and window.divide is None:
             return table

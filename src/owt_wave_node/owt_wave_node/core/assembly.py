@@ -144,9 +144,6 @@ def assemble(
     for node, force in end_loads(case, hydro, frame, field, highest=highest).items():
         assembly.nodal[assembly.node_row[node], :3] += force
     history = LoadHistory(hydro, hydro.node, assembly.nodal, assembly.fixed, assembly.end_rows)
-    # A sum is finite only if all its terms are: no array of flags as large as the history is needed.
-    if not np.isfinite([history.nodal.sum(), history.end_rows.sum()]).all():
-        raise ComputationError("wave loads are not finite")
     return history
 
 
@@ -288,7 +285,9 @@ class _Assembly:
         z = batch.place[points, 2]
         for e in run.elements:
             if e not in open_rows:
-                open_rows[e] = np.zeros((self.n_rows, self.n))
+                # Rows of an element at a member end are kept: they are filled where they stay.
+                kept = self.fixed_row[self.hydro.element[e]]
+                open_rows[e] = self.end_rows[kept] if kept >= 0 else np.zeros((self.n_rows, self.n))
         if not run.is_gauss and (z > self.lowest).any():
             e = run.elements[0]
             surface_loads(
@@ -306,10 +305,11 @@ class _Assembly:
         return outer, self.node_row[mesh.element_node[e]]
 
     def _finish(self, element: int, rows: Float[np.ndarray, "row time"]) -> None:
-        """Keep the rows of an element at a member end; add them to the nodes inside the member."""
+        """Add the rows of an element to the nodes inside its member."""
+        # A sum is finite only if all its terms are.
+        if not np.isfinite(rows.sum()):
+            raise ComputationError("wave loads are not finite")
         e, axes = int(self.hydro.element[element]), self.hydro.element_axes[element]
-        if self.fixed_row[e] >= 0:
-            self.end_rows[self.fixed_row[e]] = rows
         outer, node = self._ends(e)
         for side in np.flatnonzero(~outer):
             _kernel.add_to_node(rows, int(side), axes, self.nodal[node[side]])

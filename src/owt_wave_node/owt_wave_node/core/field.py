@@ -30,6 +30,7 @@ Series = Float[np.ndarray, "point time"]
 Kinematics = Float[np.ndarray, "point channel time"]
 #: Complex where a factor also turns the phase: it multiplies the amplitude of exp(i (omega t - k x)).
 Profile = Inexact[np.ndarray, "point component"]
+Phasor = Complex[np.ndarray, "point component"]
 
 #: Largest exponent in the scaled factors of the difference pairs; exp(700) would overflow.
 MAX_SCALED = 300.0
@@ -93,6 +94,8 @@ class GridField:
         self.grid = grid
         self.n_axes, self.n = 2, waves.n
         self.bins, self.wavenumber, self.omega, self.amplitude, self.dense = _pack(waves, grid)
+        # Consecutive bins as a slice: no index array is followed.
+        self._used = slice(int(self.bins[0]), int(self.bins[-1]) + 1) if self.dense else self.bins
         self._tables = None
         if waves.order == 2:
             packed = replace(waves, omega=self.omega, wavenumber=self.wavenumber, amplitude=self.amplitude)
@@ -109,12 +112,13 @@ class GridField:
         x = place[:, 0].copy()
 
         def part(x: Float[np.ndarray, " point"]) -> Float[np.ndarray, "point 2 time"]:
+            phasor = self._phasors(x)
             spectra = np.zeros((x.size, 2, self._n_bins), dtype=complex)
-            spectra[:, 0, self.bins] = self.amplitude * np.exp(-1j * self.wavenumber * x[:, None])
+            spectra[:, 0, self._used] = phasor
             if self._tables is not None:
                 second = np.zeros((x.size, self._n_bins), dtype=complex)
                 _kernel.second_elevation(
-                    x, self.wavenumber, self.bins, self.dense, self.amplitude, self._set_down,
+                    phasor, self.wavenumber, self.bins, self.dense, self._set_down,
                     self._tables.surface_sum, self._tables.surface_difference, second,
                 )  # fmt: skip
                 spectra[:, 1] = second
@@ -124,18 +128,23 @@ class GridField:
         # The two share a transform, which leaves a trace of one in the other at round-off.
         return parts[:, 0], parts[:, 1] if self.waves.order == 2 else np.zeros_like(parts[:, 1])
 
-    def _first_spectra(
+    def _phasors(self, x: Float[np.ndarray, " point"]) -> Phasor:
+        """Amplitudes A exp(-i k x) at points."""
+        out = np.empty((x.size, self.wavenumber.size), dtype=complex)
+        _kernel.phasors(x, self.wavenumber, self.amplitude, out)
+        return out
+
+    def _add_first(
         self,
-        x: Float[np.ndarray, " point"],
+        phasor: Phasor,
         horizontal: Profile,
         vertical: Profile,
         out: Complex[np.ndarray, "point 2 bin"],
     ) -> None:
         """Add the coefficients of u and w of the first order [eq. 4.32, 4.33]."""
-        speed = self.waves.gravity * self.wavenumber / self.omega * self.amplitude
-        here = speed * np.exp(-1j * self.wavenumber * x[:, None])
-        out[:, 0, self.bins] += here * horizontal
-        out[:, 1, self.bins] += 1j * (here * vertical)
+        here = self.waves.gravity * self.wavenumber / self.omega * phasor
+        out[:, 0, self._used] += here * horizontal
+        out[:, 1, self._used] += 1j * (here * vertical)
 
     def _spectra(self, place: Place, *, first: bool, second: bool) -> Complex[np.ndarray, "point 2 bin"]:
         """Coefficients of u and w [eq. 4.32, 4.33, 4.50, 4.51]."""
@@ -143,15 +152,16 @@ class GridField:
         out = np.zeros((x.size, 2, self._n_bins), dtype=complex)
 
         def part(rows: slice) -> None:
+            phasor = self._phasors(x[rows])
             if first:
                 profile = first_order_profile(
                     self.wavenumber, z[rows], water_depth=waves.depth, stretching=waves.stretching
                 )
-                self._first_spectra(x[rows], *profile, out[rows])
+                self._add_first(phasor, *profile, out[rows])
             if second and self._tables is not None:
                 _kernel.second_velocity(
-                    x[rows], second_order_level(z[rows], waves.stretching), self.wavenumber, self.bins,
-                    self.dense, self.amplitude, waves.depth, waves.peak_wavenumber, self._blocks,
+                    phasor, second_order_level(z[rows], waves.stretching), self.wavenumber, self.bins,
+                    self.dense, waves.depth, waves.peak_wavenumber, self._blocks,
                     self._tables.velocity_sum, self._tables.velocity_difference, out[rows],
                 )  # fmt: skip
 
@@ -165,7 +175,7 @@ class GridField:
     def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
         """First-order kinematics with given vertical factors instead of those of a level."""
         spectra = np.zeros((len(place), 2, self._n_bins), dtype=complex)
-        self._first_spectra(place[:, 0].copy(), horizontal, vertical, spectra)
+        self._add_first(self._phasors(place[:, 0].copy()), horizontal, vertical, spectra)
         return self._in_time(spectra, np.arange(len(place)))
 
     def second(self, place: Place) -> Kinematics:

@@ -229,15 +229,16 @@ class _Builder:
         self.mesh, self.elements, self.longest, self.levels = mesh, elements, longest, levels
         self.constant, self.stride = distribution == "constant", 2 if distribution == "quadratic" else 1
         self.bed = -water_depth
+        self.member = mesh.element_member[elements].tolist()
+        self.ends = mesh.node_position[mesh.element_node[elements]]
+        self.length = mesh.element_length[elements].tolist()
         self.station: list[Float[np.ndarray, " 3"]] = []
         self.runs: dict[int, list[Run]] = {}
         self.submerged: list[int] = []
 
     def _ends(self, e: int) -> tuple[int, Float[np.ndarray, "2 3"], float]:
         """Member, end positions and length of a loaded element."""
-        element = int(self.elements[e])
-        ends = self.mesh.node_position[self.mesh.element_node[element]]
-        return int(self.mesh.element_member[element]), ends, float(np.linalg.norm(ends[1] - ends[0]))
+        return self.member[e], self.ends[e], self.length[e]
 
     def add(self, e: int, *, submerged: bool) -> None:
         """Add the runs of a loaded element, or keep it for the Gauss points of its span."""
@@ -338,10 +339,10 @@ def _breaks(
 ) -> list[float]:
     """Places x / length at which the part above the bed of a line from a to b begins, breaks and ends."""
     breaks = [0.0, 1.0]
-    rise = b[2] - a[2]
+    bottom, rise = float(a[2]), float(b[2] - a[2])
     if rise == 0.0:
         return breaks
-    crossings = sorted((level - a[2]) / rise for level in levels)
+    crossings = sorted((level - bottom) / rise for level in levels)
     for s in crossings:
         if all(abs(s - other) > SLIVER for other in breaks) and 0.0 < s < 1.0:
             breaks.append(s)

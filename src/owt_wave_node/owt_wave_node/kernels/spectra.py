@@ -21,7 +21,7 @@ from numba import njit
 
 from owt_wave_node.kernels.simd import LANES, ROWS, add_rows
 
-__all__ = ["GAP", "second_elevation", "second_velocity", "spaced", "warm_up"]
+__all__ = ["GAP", "phasors", "second_elevation", "second_velocity", "spaced", "warm_up"]
 
 #: Exponent below the dominant pair from which a pair cannot change the sum in double precision.
 NEGLIGIBLE = 40.0
@@ -134,54 +134,52 @@ def _differences(
 
 
 @njit(cache=True, nogil=True)
-def _phases(x, k, amplitude, out_re, out_im):
-    """A exp(-i k x)."""
-    for m in range(k.size):
-        c, s = math.cos(k[m] * x), math.sin(k[m] * x)
-        re, im = amplitude[m].real, amplitude[m].imag
-        out_re[m], out_im[m] = re * c + im * s, im * c - re * s
+def phasors(x, k, amplitude, out):
+    """Fill out [point, component] with A exp(-i k x)."""
+    for p in range(x.size):
+        for m in range(k.size):
+            out[p, m] = amplitude[m] * complex(math.cos(k[m] * x[p]), -math.sin(k[m] * x[p]))
 
 
 @njit(cache=True, nogil=True)
-def _scaled(x_re, x_im, k, shift, height, first, last, e_re, e_im, back_re, back_im):
-    """Factors x exp((k - shift) height) from component `first` on; their conjugate inverses up to `last`."""
+def _scaled(phasor, k, shift, height, first, last, e_re, e_im, back_re, back_im):
+    """Factors phasor exp((k - shift) height) from component `first` on; conjugate inverses up to `last`."""
     size = k.size
     back_re[:], back_im[:] = 0.0, 0.0
     for m in range(first, size):
         e = math.exp((k[m] - shift) * height)
-        e_re[GAP + m], e_im[GAP + m] = e * x_re[m], e * x_im[m]
+        e_re[GAP + m], e_im[GAP + m] = e * phasor[m].real, e * phasor[m].imag
         if m < last:
             at = GAP + size - 1 - m
-            back_re[at], back_im[at] = x_re[m] / e, -x_im[m] / e
+            back_re[at], back_im[at] = phasor[m].real / e, -phasor[m].imag / e
 
 
 @njit(cache=True, nogil=True)
-def second_velocity(x, z, k, j, dense, amplitude, depth, k_peak, blocks, table_sum, table_difference, out):
+def second_velocity(phasor, z, k, j, dense, depth, k_peak, blocks, table_sum, table_difference, out):
     """Add the second-order velocities [eq. 4.20, 4.21] to out [point, 2, j].
 
-    The tables are spaced. `blocks` are the bounds of ranges of n within which exp(2 k d) does not overflow;
-    `k_peak` is the wave number of the largest component, against which a pair is negligible.
+    `phasor` [point, component] is A exp(-i k x). The tables are spaced. `blocks` are the bounds of ranges of n
+    within which exp(2 k d) does not overflow; `k_peak` is the wave number of the largest component, against
+    which a pair is negligible.
     """
     size, n_j = k.size, out.shape[2]
-    x_re, x_im = np.empty(size), np.empty(size)
     # Factors e upwards and f of the image below the bed, each with its inverses.
     e, f = np.zeros((4, size + 2 * GAP)), np.zeros((4, size + 2 * GAP))
     g, h = np.empty((2, n_j + GAP)), np.empty((2, n_j + GAP))
     back_j = j[::-1].copy()
-    for p in range(x.size):
+    for p in range(z.size):
         up, down = z[p], z[p] + 2.0 * depth
         depth_p = max(-up, 1e-300)
-        _phases(x[p], k, amplitude, x_re, x_im)
         g[:], h[:] = 0.0, 0.0
-        _scaled(x_re, x_im, k, 0.0, up, 0, 0, e[0], e[1], e[2], e[3])
-        _scaled(x_re, x_im, k, 0.0, -down, 0, 0, f[0], f[1], f[2], f[3])
+        _scaled(phasor[p], k, 0.0, up, 0, 0, e[0], e[1], e[2], e[3])
+        _scaled(phasor[p], k, 0.0, -down, 0, 0, f[0], f[1], f[2], f[3])
         base = NEGLIGIBLE + 2.0 * k_peak * max(-up, 0.0)
         _sums(table_sum, e[0], e[1], k, base / depth_p, j, dense, g[0], g[1])
         _sums(table_sum, f[0], f[1], k, base / down, j, dense, h[0], h[1])
         for i in range(blocks.size - 1):
             first, last = blocks[i], blocks[i + 1]
-            _scaled(x_re, x_im, k, k[first], up, first, last, e[0], e[1], e[2], e[3])
-            _scaled(x_re, x_im, k, k[first], -down, first, last, f[0], f[1], f[2], f[3])
+            _scaled(phasor[p], k, k[first], up, first, last, e[0], e[1], e[2], e[3])
+            _scaled(phasor[p], k, k[first], -down, first, last, f[0], f[1], f[2], f[3])
             _differences(
                 table_difference, e[0], e[1], e[2], e[3], k, first, last, NEGLIGIBLE / depth_p, j, back_j,
                 dense, g[0], g[1],
@@ -196,14 +194,16 @@ def second_velocity(x, z, k, j, dense, amplitude, depth, k_peak, blocks, table_s
 
 
 @njit(cache=True, nogil=True)
-def second_elevation(x, k, j, dense, amplitude, set_down, table_sum, table_difference, out):
-    """Add the second-order elevation [eq. 4.18], mean `set_down` included, to out [point, j]."""
+def second_elevation(phasor, k, j, dense, set_down, table_sum, table_difference, out):
+    """Add the second-order elevation [eq. 4.18], mean `set_down` included, to out [point, j].
+
+    `phasor` [point, component] is A exp(-i k x). The tables are spaced.
+    """
     size, n_j = k.size, out.shape[1]
-    x_re, x_im, e = np.empty(size), np.empty(size), np.zeros((4, size + 2 * GAP))
+    e = np.zeros((4, size + 2 * GAP))
     g, back_j = np.empty((2, n_j + GAP)), j[::-1].copy()
-    for p in range(x.size):
-        _phases(x[p], k, amplitude, x_re, x_im)
-        _scaled(x_re, x_im, k, 0.0, 0.0, 0, size, e[0], e[1], e[2], e[3])
+    for p in range(phasor.shape[0]):
+        _scaled(phasor[p], k, 0.0, 0.0, 0, size, e[0], e[1], e[2], e[3])
         g[:] = 0.0
         _sums(table_sum, e[0], e[1], k, np.inf, j, dense, g[0], g[1])
         _differences(
@@ -216,11 +216,11 @@ def second_elevation(x, k, j, dense, amplitude, set_down, table_sum, table_diffe
 
 def warm_up() -> None:
     """Compile the kernels."""
-    k, x, j, amplitude = np.array([0.04, 0.05]), np.zeros(1), np.array([1, 2]), np.ones(2, dtype=complex)
-    velocity, table = np.zeros((1, 2, 5), dtype=complex), np.zeros(200)
+    k, j, z = np.array([0.04, 0.05]), np.array([1, 2]), np.zeros(1)
+    phasor, velocity = np.zeros((1, 2), dtype=complex), np.zeros((1, 2, 5), dtype=complex)
+    table = np.zeros(200)
     spaced(np.ones(3), 2, 1, table)
+    phasors(z, k, phasor[0], phasor)
     for dense in (True, False):
-        second_velocity(
-            x, x - 1.0, k, j, dense, amplitude, 50.0, 0.04, np.array([0, 2]), table, table, velocity
-        )
-        second_elevation(x, k, j, dense, amplitude, -0.1, table, table, velocity[0])
+        second_velocity(phasor, z, k, j, dense, 50.0, 0.04, np.array([0, 2]), table, table, velocity)
+        second_elevation(phasor, k, j, dense, -0.1, table, table, velocity[0])

@@ -22,8 +22,10 @@ __all__ = ["DirectionalField"]
 
 #: Points per inverse transform.
 TRANSFORMED = 8
-#: Bytes of coefficients that are held at a time, and that are kept from one window to the next.
-HELD_BYTES, KEPT_BYTES = 2**28, 2**29
+#: Bytes of coefficients that are made at a time, for one record and for several windows, and that are kept.
+BLOCK_BYTES, WINDOW_BYTES, KEPT_BYTES = 2**26, 2**28, 2**29
+#: Bytes that a prepared field may hold.
+HELD_BYTES = 2**28
 
 
 class DirectionalField:
@@ -41,7 +43,7 @@ class DirectionalField:
         self.sea = DirectionalSea(waves)
         grid, waves = self.sea.grid, self.sea.waves
         self._show(
-            grid_lines(grid)
+            grid_lines(grid, self.sea.frequency.size)
             if grid is not None
             else listed_lines(self.sea.frequency, dt=waves.dt, start=0, count=waves.n)
         )
@@ -73,8 +75,8 @@ class DirectionalField:
         return self._kept[key]
 
     def _blocks(self, place: Place) -> list[slice]:
-        """Ranges of points whose coefficients may be held together."""
-        limit = HELD_BYTES if self._kept is None else KEPT_BYTES
+        """Ranges of points whose coefficients may be made together."""
+        limit = BLOCK_BYTES if self._kept is None else WINDOW_BYTES
         return slices(len(place), max(1, limit // (48 * self.sea.frequency.size)))
 
     def elevation(self, place: Place) -> tuple[Series, Series]:
@@ -118,20 +120,28 @@ class DirectionalField:
         self._transform(self.sea.shaped(place, horizontal, vertical), out)
         return out
 
+    def _total(self, place: Place) -> Coefficients:
+        return self.sea.velocity(place, first=True, second=True)
+
     def prepare(self, place: Place) -> Prepared:
         """Coefficients of the total velocities at points, or the points where those are too many to hold."""
-        if len(self._blocks(place)) > 1:
+        lines, bins = self._lines, self._lines.bins
+        if 48 * len(place) * bins > HELD_BYTES:
             return _OnDemand(self, place)
-        velocity = self._keep(
-            "velocity", place, lambda place: self.sea.velocity(place, first=True, second=True)
-        )
-        return _Stored(self._lines, velocity)
+        loaded = np.empty((len(place), 3, bins), dtype=complex)
+        for rows in self._blocks(place):
+            velocity, block = self._keep("velocity", place[rows], self._total), loaded[rows]
+
+            def part(at: slice, velocity: Coefficients = velocity, block: Coefficients = block) -> None:
+                block[at] = lines.load(velocity[at])
+
+            map_threads(part, slices(len(block), TRANSFORMED))
+        return _Stored(lines, loaded)
 
 
 class _Stored:
-    def __init__(self, lines: Lines, velocity: Coefficients) -> None:
-        parts = map_threads(lambda rows: lines.load(velocity[rows]), slices(len(velocity), TRANSFORMED))
-        self._lines, self._loaded = lines, np.concatenate(parts) if parts else velocity
+    def __init__(self, lines: Lines, loaded: Coefficients) -> None:
+        self._lines, self._loaded = lines, loaded
 
     def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some channel time"]:
         return self._lines.series(self._loaded, index, channels=6)

@@ -35,6 +35,11 @@ class Lines(Protocol):
         """Number of samples."""
         ...
 
+    @property
+    def bins(self) -> int:
+        """Number of loaded coefficients of a signal."""
+        ...
+
     def load(self, coefficients: Complex[np.ndarray, "row signal line"]) -> Loaded:
         """Prepare coefficients for :meth:`series`."""
         ...
@@ -46,9 +51,9 @@ class Lines(Protocol):
         ...
 
 
-def grid_lines(grid: FrequencyGrid) -> Lines:
-    """Lines at all multiples of the spacing of a grid, over its record."""
-    return GridLines(grid)
+def grid_lines(grid: FrequencyGrid, bins: int) -> Lines:
+    """Lines at the first `bins` multiples of the spacing of a grid, from zero, over its record."""
+    return GridLines(grid, bins)
 
 
 def listed_lines(frequency: Float[np.ndarray, " line"], *, dt: float, start: int, count: int) -> Lines:
@@ -61,9 +66,10 @@ def listed_lines(frequency: Float[np.ndarray, " line"], *, dt: float, start: int
 
 @dataclass(frozen=True)
 class GridLines:
-    """Multiples of a spacing: inverse Fourier transforms."""
+    """The first `bins` multiples of a spacing, from zero: inverse Fourier transforms."""
 
     grid: FrequencyGrid
+    bins: int
 
     @property
     def n(self) -> int:
@@ -89,6 +95,11 @@ class FrequencyLines:
     dt: float
     n: int
     start: int = 0
+
+    @property
+    def bins(self) -> int:
+        """Number of frequencies."""
+        return self.frequency.size
 
     def load(self, coefficients: Complex[np.ndarray, "row signal line"]) -> Loaded:
         """Count phases from the first sample."""
@@ -131,6 +142,11 @@ class SpreadLines:
     def n(self) -> int:
         """Number of samples."""
         return self.window.count
+
+    @property
+    def bins(self) -> int:
+        """Number of multiples of the window's spacing from zero."""
+        return self.window.n_bins + self.window.bottom
 
     def load(self, coefficients: Complex[np.ndarray, "row signal line"]) -> Loaded:
         """Spread the coefficients over the bins of the window."""

@@ -223,9 +223,9 @@ def surface_range(field: Field, place: Float[np.ndarray, "point 3"], shortest: f
 def _pieces(
     field: Field, gauges: Float[np.ndarray, "gauge 3"]
 ) -> Iterator[tuple[Field, Float[np.ndarray, "gauge 3"]]]:
-    """Windows of a long record, or some gauges at a time where a field has none."""
+    """Windows of a long record, or some gauges at a time of a short one or where a field has no windows."""
     step = max(1, GAUGE_SAMPLES // len(gauges))
-    if isinstance(field, Windowed):
+    if isinstance(field, Windowed) and field.n > EXACT:
         for start in range(0, field.n, step):
             yield window_of(field, start, min(step, field.n - start)), gauges
     else:

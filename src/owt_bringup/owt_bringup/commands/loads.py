@@ -69,3 +69,7 @@ def _write(file: NpzFile, windows: LoadWindows) -> None:
     file.add("error_estimate", np.array(windows.error_estimate))
     file.add("node_position_m", mesh.node_position)
     file.add("node_name", np.array(mesh.node_name))
+    if windows.case.morison.buoyancy:
+        from owt_wave_node.core.buoyancy import buoyancy
+
+        file.add("buoyancy", buoyancy(windows.case, mesh))

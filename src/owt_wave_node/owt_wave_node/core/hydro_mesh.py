@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -73,10 +74,8 @@ class Run:
 
 def _wet(weights: Float[np.ndarray, "segment node shape"]) -> Float[np.ndarray, "1 station shape"]:
     """Sum the weights of the segments at their stations."""
-    count, step = len(weights), weights.shape[1] - 1
-    out = np.zeros((1, step * count + 1, weights.shape[2]))
-    for j in range(step + 1):
-        out[0, j : j + step * (count - 1) + 1 : step] += weights[:, j]
+    out = np.empty((1, (weights.shape[1] - 1) * len(weights) + 1, weights.shape[2]))
+    _kernel.station_weights(weights, out[0])
     return out
 
 
@@ -249,7 +248,7 @@ class _Builder:
             self.submerged.append(e)
             return
         _, (a, b), length = self._ends(e)
-        for s0, s1 in pairwise(_breaks(a, b, self.levels, self.bed)):
+        for s0, s1 in pairwise(_breaks(float(a[2]), float(b[2]), self.levels, self.bed)):
             count = max(1, math.ceil((s1 - s0) * length / self.longest - 1e-9))
             place = s0 + (s1 - s0) * np.arange(self.stride * count + 1) / (self.stride * count)
             weights = np.empty((count, self.stride + 1, 6))
@@ -265,11 +264,11 @@ class _Builder:
         self.submerged = []
         member, (a, _), _ = self._ends(elements[0])
         b = self._ends(elements[-1])[1][1]
-        for s0, s1 in pairwise(_breaks(a, b, self.levels, self.bed)):
+        for s0, s1 in pairwise(_breaks(float(a[2]), float(b[2]), self.levels, self.bed)):
             start, stop = a + s0 * (b - a), a + s1 * (b - a)
             length = float(np.linalg.norm(stop - start))
             count = max(GAUSS_LEAST, 1 + math.ceil(length / GAUSS_SPACING))
-            x = 0.5 + 0.5 * np.polynomial.legendre.leggauss(count)[0]
+            x = _gauss(count)[0]
             wet = np.stack([self._gauss_weights(e, start, stop, x) for e in elements])
             used = np.flatnonzero(wet.any(axis=(1, 2)))
             of = range(elements[used[0]], elements[used[-1]] + 1)
@@ -292,16 +291,14 @@ class _Builder:
         along = (stop - start) / span
         first, last = ((end - start) @ along / span for end in (a, b))
         low, high = max(first, 0.0), min(last, 1.0)
-        out = np.zeros((x.size, 6))
         if high - low <= SLIVER:
-            return out
-        point, weight = np.polynomial.legendre.leggauss(x.size // 2 + 2)
-        where = low + (high - low) * (0.5 + 0.5 * point)
-        shape = np.empty(6)
-        for s, w in zip(where, 0.5 * (high - low) * span * weight, strict=True):
-            _kernel.hermite((s - first) / (last - first), length, shape)
-            out += np.outer(_lagrange(x, float(s)), w * shape)
-        return out
+            return np.zeros((x.size, 6))
+        point, weight = _gauss(x.size // 2 + 2)
+        where = low + (high - low) * point
+        shape = np.empty((where.size, 6))
+        for row, s in zip(shape, (where - first) / (last - first), strict=True):
+            _kernel.hermite(s, length, row)
+        return np.asarray(_lagrange(x.size, where).T @ (shape * ((high - low) * span * weight)[:, None]))
 
     def _stations(self, member: int, points: Float[np.ndarray, "station 3"], *, share: bool) -> range:
         """Append stations; the first one is that of the run before where that one's last lies there."""
@@ -326,24 +323,32 @@ class _Builder:
         self.runs.setdefault(member, []).append(run)
 
 
-def _lagrange(x: Float[np.ndarray, " station"], s: float) -> Float[np.ndarray, " station"]:
-    """Values at s of the polynomials that are one at one of the points x and zero at the others."""
-    gap = x[:, None] - x[None, :] + np.eye(x.size)
-    factor = (s - x)[None, :] / gap
-    factor[np.diag_indices(x.size)] = 1.0
-    return np.asarray(factor.prod(axis=1))
+@cache
+def _gauss(count: int) -> tuple[Float[np.ndarray, " point"], Float[np.ndarray, " point"]]:
+    """Points and weights of Gauss and Legendre's rule on (0, 1)."""
+    point, weight = np.polynomial.legendre.leggauss(count)
+    return 0.5 + 0.5 * point, 0.5 * weight
 
 
-def _breaks(
-    a: Float[np.ndarray, " 3"], b: Float[np.ndarray, " 3"], levels: list[float], bed: float
-) -> list[float]:
-    """Places x / length at which the part above the bed of a line from a to b begins, breaks and ends."""
+@cache
+def _modes(count: int) -> Float[np.ndarray, "station mode"]:
+    """Coefficients of Legendre polynomials that are one at one Gauss point and zero at the others."""
+    values = np.polynomial.legendre.legvander(2.0 * _gauss(count)[0] - 1.0, count - 1)
+    return np.asarray(np.linalg.inv(values))
+
+
+def _lagrange(count: int, s: Float[np.ndarray, " point"]) -> Float[np.ndarray, "point station"]:
+    """Values at s of the polynomials that are one at one Gauss point and zero at the others."""
+    return np.asarray(np.polynomial.legendre.legvander(2.0 * s - 1.0, count - 1) @ _modes(count))
+
+
+def _breaks(bottom: float, top: float, levels: list[float], bed: float) -> list[float]:
+    """Places x / length at which the part above the bed of a line between levels begins, breaks and ends."""
     breaks = [0.0, 1.0]
-    bottom, rise = float(a[2]), float(b[2] - a[2])
+    rise = top - bottom
     if rise == 0.0:
         return breaks
-    crossings = sorted((level - bottom) / rise for level in levels)
-    for s in crossings:
-        if all(abs(s - other) > SLIVER for other in breaks) and 0.0 < s < 1.0:
+    for s in sorted((level - bottom) / rise for level in levels):
+        if 0.0 < s < 1.0 and all(abs(s - other) > SLIVER for other in breaks):
             breaks.append(s)
-    return [s for s in sorted(breaks) if a[2] + s * rise >= bed - SLIVER * (1.0 + abs(bed))]
+    return [s for s in sorted(breaks) if bottom + s * rise >= bed - SLIVER * (1.0 + abs(bed))]

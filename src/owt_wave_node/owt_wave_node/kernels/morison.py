@@ -11,7 +11,16 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["GAUSS", "WEIGHT", "add_stations", "add_to_node", "hermite", "segment_weights", "warm_up"]
+__all__ = [
+    "GAUSS",
+    "WEIGHT",
+    "add_stations",
+    "add_to_node",
+    "hermite",
+    "segment_weights",
+    "station_weights",
+    "warm_up",
+]
 
 #: Samples per pass, so that the work arrays stay in the first-level cache.
 BLOCK = 256
@@ -67,6 +76,17 @@ def segment_weights(place, length, stride, constant, out):
                     out[k, 2, i] += value * x * (2.0 * x - 1.0)
 
 
+@njit(cache=True, nogil=True)
+def station_weights(weights, out):
+    """Fill out [station, shape] with the sums of weights [segment, node, shape] at the stations."""
+    stride = weights.shape[1] - 1
+    out[:] = 0.0
+    for s in range(weights.shape[0]):
+        for j in range(stride + 1):
+            for i in range(out.shape[1]):
+                out[stride * s + j, i] += weights[s, j, i]
+
+
 @njit(cache=True, nogil=True, fastmath={"contract"})
 def add_stations(q, weights, rows):
     """Add the equivalent nodal loads of stations that always are wet to rows [row, time].
@@ -113,5 +133,6 @@ def warm_up() -> None:
     """Compile the kernels."""
     weights, rows = np.empty((1, 2, 6)), np.zeros((1, 8, 2))
     segment_weights(np.array([0.0, 1.0]), 1.0, 1, False, weights)
+    station_weights(weights, np.empty((2, 6)))
     add_stations(np.ones((2, 2, 2)), weights[0], rows[0])
     add_to_node(rows[0], 0, np.eye(3), np.zeros((6, 2)))

@@ -7,18 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from owt_model.axes import rotation
 from owt_model.errors import InputError
 from owt_wave_node.core import loads as loads_module
 from owt_wave_node.core.dispersion import wavenumber
-from owt_wave_node.core.hydro_mesh import _wet, build_hydro_mesh
-from owt_wave_node.core.kinematics import wave_kinematics
+from owt_wave_node.core.ends import free_ends
+from owt_wave_node.core.hydro_mesh import build_hydro_mesh
 from owt_wave_node.core.loads import Loads, jacket_loads
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import build_sea_state, waves
-from owt_wave_node.kernels import morison as morison_kernel
-from owt_wave_node.kernels.sections import sectional
-from owt_wave_node.kernels.surface import surface_loads
+from owt_wave_node.core.stage import build_wave_stage
 
 RHO, G, DIAMETER = 1025.0, 9.81, 1.5
 AREA = math.pi * DIAMETER**2 / 4.0
@@ -35,19 +32,10 @@ def check_reference(got: Loads, d, key: str, limit: float) -> None:
         assert np.abs(series[at] - expected).max() < limit * np.abs(expected).max()
 
 
-REFERENCE = [("A", 1, 2e-4), ("A", 2, 2e-4), ("C", 1, 4e-4), ("C", 2, 1e-3)]
-
-
-@pytest.mark.parametrize(("name", "order", "limit"), REFERENCE)
-def test_reference_jacket(name: str, order: int, limit: float, recorded, reference, oc4) -> None:
-    """Shear, lift and overturning moment; the reference itself is 1e-4 (A) to 1e-3 (C) from converged."""
-    case = recorded(name, wave={"order": order, "stretching": "taylor"}, morison=morison(dx=0.25))
-    got = jacket_loads(case, oc4)
-    key = f"load_{'linear' if order == 1 else 'second'}_dx025"
-    check_reference(got, reference[name], key, limit)
-    other = f"load_{'second' if order == 1 else 'linear'}_dx025"
-    with pytest.raises(AssertionError):  # the wrong variant: the other order
-        check_reference(got, reference[name], other, limit)
+def test_reference_jacket(recorded, reference, oc4) -> None:
+    """Linear loads in the steeper sea; the other references are among the proofs."""
+    case = recorded("C", wave={"order": 1, "stretching": "taylor"}, morison=morison(dx=0.25))
+    check_reference(jacket_loads(case, oc4), reference["C"], "load_linear_dx025", 4e-4)
 
 
 def test_reference_jacket_would_notice_upright_members(recorded, reference, oc4, monkeypatch) -> None:
@@ -84,22 +72,6 @@ def column_case(
     )  # fmt: skip
 
 
-def test_upright_cylinder_in_a_linear_wave(listed, column) -> None:
-    omega = 2.0 * math.pi / 10.0
-    k = float(wavenumber(np.array([omega]), water_depth=20.0, gravity=G)[0])
-    mesh = column()
-    for a in (0.01, 3.0):
-        got = jacket_loads(column_case(listed, a, 0.05), mesh)
-        exact = inertia_force(got.t, a, omega, k, 20.0, moving=True)
-        assert np.abs(got.force[:, 0] - exact).max() < 2e-6 * np.abs(exact).max()
-    fixed = inertia_force(got.t, 3.0, omega, k, 20.0, moving=False)
-    assert np.abs(got.force[:, 0] - fixed).max() > 1e-2 * np.abs(exact).max()  # wrong variant: to z = 0
-    assert np.abs(got.force[:, 1:]).max() < 1e-9 * np.abs(exact).max()
-    turned = jacket_loads(column_case(listed, 3.0, 0.05, direction=37.0), mesh)
-    b = math.radians(37.0)
-    assert turned.force[:, 1] == pytest.approx(got.force[:, 0] * math.sin(b), abs=1e-6 * np.abs(exact).max())
-
-
 def test_upright_cylinder_under_wheeler_stretching(listed, column) -> None:
     """z' + d = d (z + d) / (d + eta): the inertia force is that up to z = 0 times (d + eta) / d."""
     omega, a = 2.0 * math.pi / 10.0, 3.0
@@ -110,71 +82,6 @@ def test_upright_cylinder_under_wheeler_stretching(listed, column) -> None:
     assert np.abs(got.force[:, 0] - exact).max() < 1e-5 * np.abs(exact).max()
     other = inertia_force(got.t, a, omega, k, 20.0, moving=True)
     assert np.abs(other - exact).max() > 1e-3 * np.abs(exact).max()  # the wrong variant: not stretched
-
-
-def rate(errors: list[float]) -> float:
-    return float(np.polyfit(range(len(errors)), -np.log2(errors), 1)[0])
-
-
-def test_second_order_convergence_in_the_discretisation(listed, column) -> None:
-    """Inertia and drag on an inclined member through the surface: error ~ dx^2, rate within 0.15."""
-    mesh = column(top=(6.0, 3.0, 10.0), elements=1)
-    series = [
-        jacket_loads(column_case(listed, 1.0, dx, stretching="taylor", cd=1.0), mesh).force
-        for dx in (2.0, 1.0, 0.5, 0.25, 0.03125)
-    ]
-    errors = [float(np.sqrt(np.mean((s - series[-1]) ** 2))) for s in series[:-1]]
-    assert abs(rate(errors) - 2.0) < 0.15, errors
-    assert abs(rate([1.0, 0.5, 0.25, 0.125]) - 2.0) > 0.15  # the wrong variant: first order
-
-
-def station_forces(case, mesh, dx: float):
-    """Stations, lengths along the member and Morison force per length, straight from the kinematics."""
-    a, b = mesh.node_position[mesh.member_node[0]]
-    hydro = build_hydro_mesh(mesh, water_depth=20.0, longest=dx)
-    axis = (b - a) / np.linalg.norm(b - a)
-    station = hydro.station
-    k = wave_kinematics(case.model_copy(update={"points_m": tuple(map(tuple, station.tolist()))}))
-    normal = np.eye(3) - np.outer(axis, axis)
-    v, dv = k.velocity @ normal, k.acceleration @ normal
-    q = RHO * 2.0 * AREA * dv + 0.5 * RHO * DIAMETER * np.linalg.norm(v, axis=2, keepdims=True) * v
-    return station, (station - a) @ axis, q
-
-
-def test_nodal_loads_are_in_equilibrium_with_the_distributed_force(listed, column) -> None:
-    """Nodal forces and moments add up to the integrals of the linearly distributed force, to round-off."""
-    mesh = column(top=(5.0, -4.0, -2.0), elements=3)
-    case = column_case(listed, 0.5, 0.7, stretching="taylor", cd=1.0, direction=25.0)
-    # The interface of this column lies below water: the check of the surface must let it pass here.
-    monkey = pytest.MonkeyPatch()
-    monkey.setattr(loads_module, "interface_level", lambda mesh: 30.0)
-    monkey.setattr("owt_wave_node.core.hydro_mesh.interface_level", lambda mesh: 30.0)
-    try:
-        got = jacket_loads(case, mesh)
-        station, s, q = station_forces(case, mesh, 0.7)
-    finally:
-        monkey.undo()
-    step = np.diff(s)
-    force = np.einsum("tpc,p->tc", 0.5 * (q[:, 1:] + q[:, :-1]), step)
-    lever = np.zeros_like(force)
-    for g, w in ((0.5 - math.sqrt(0.15), 5 / 18), (0.5, 8 / 18), (0.5 + math.sqrt(0.15), 5 / 18)):
-        r = station[:-1] + g * np.diff(station, axis=0)
-        here = q[:, :-1] + g * np.diff(q, axis=1)
-        lever += w * np.einsum("tpc,p->tc", np.cross(r[None], here), step)
-    assert np.abs(got.force - force).max() < 1e-12 * np.abs(force).max()
-    assert np.abs(got.moment - lever).max() < 1e-12 * np.abs(lever).max()
-    lumped = np.einsum("tpc,p->tc", np.cross(station[None, :-1], q[:, :-1]), step)
-    assert np.abs(lumped - lever).max() > 1e-12 * np.abs(lever).max()  # the wrong variant: lumped stations
-
-
-def test_beam_under_uniform_load_has_textbook_end_moments(listed, column) -> None:
-    """A uniform q on a clamped element: fixed-end forces qL/2 and moments qL^2/12 of opposite signs."""
-    place, length, q = np.linspace(0.0, 1.0, 6), 7.0, 1000.0
-    weights, rows = np.empty((5, 2, 6)), np.zeros((10, 3))
-    morison_kernel.segment_weights(place, length, 1, False, weights)
-    morison_kernel.add_stations(np.full((6, 3, 3), q), _wet(weights)[0], rows)
-    f, m = q * length / 2.0, q * length**2 / 12.0
-    assert rows[:, 0] == pytest.approx([f, m, f, -m, f, -m, f, m, f, f], rel=1e-13)
 
 
 def test_fixed_end_forces_are_those_of_the_nodal_loads(listed, column) -> None:
@@ -191,47 +98,6 @@ def test_fixed_end_forces_are_those_of_the_nodal_loads(listed, column) -> None:
     assert np.abs(foot - expected).max() < 1e-12 * np.abs(expected).max()
     swapped = np.concatenate([turn @ np.stack([f_z, f_y]), expected[3:]])
     assert np.abs(foot - swapped).max() > 1e-3 * np.abs(expected).max()  # the wrong variant: y and z swapped
-
-
-def jump(force: np.ndarray) -> float:
-    """Largest step between neighbours over the range."""
-    return float(np.abs(np.diff(force)).max() / np.ptp(force))
-
-
-RULES = {
-    "linear": (0, 1),
-    "quadratic": (0, 2),
-    "constant": (1, 1),
-    "midpoint": (2, 1),
-    "midpoint, three nodes": (2, 2),
-}
-
-
-@pytest.mark.parametrize("name", RULES)
-@pytest.mark.parametrize("channels", [4, 6])
-def test_no_step_when_a_station_wets_or_dries(name: str, channels: int) -> None:
-    """A surface that rises steadily past the stations of an inclined element: the force grows steadily."""
-    rule, stride = RULES[name]
-    n, length, size = 4001, 6.0, 5 * stride + 1
-    place, z = np.linspace(0.0, 1.0, size), np.linspace(-2.0, 3.0, size)
-    weights, rows, full = np.empty((5, stride + 1, 6)), np.zeros((10, n)), np.zeros((10, n))
-    morison_kernel.segment_weights(place, length, stride, rule == 1, weights)
-    eta = np.broadcast_to(np.linspace(-2.5, 3.5, n), (size, n)).copy()
-    motion = np.ones((size, channels, n)) * (1.0 + 0.1 * z[:, None, None])
-    axes, current = rotation(np.zeros(3), np.array([1.0, 2.0, 3.0])), np.full((size, 3), 0.2)
-    coefficient = np.column_stack([5.0 + 0.1 * z, 2.0 - 0.1 * z, 0.0 * z + 0.3, 0.0 * z + 0.1])
-    q = np.empty((size, 3, n))
-    sectional(motion, axes, coefficient, current, q)
-    surface_loads(q, motion, z, eta, rule, stride, axes, coefficient, current, place, length, weights, rows)
-    steps = [jump(row) for row in rows]
-    # A ramp over the element's 5 m in 3333 samples, at most some 30 times steeper than the mean.
-    if rule == 2:
-        assert min(steps) > 1e-2  # the wrong variant: a segment is wet when its middle is
-    else:
-        assert max(steps) < 1e-2
-    assert np.array_equal(rows[:, 0], np.zeros(10))
-    morison_kernel.add_stations(q, _wet(weights)[0], full)
-    assert rows[:, -1] == pytest.approx(full[:, -1], rel=1e-13)
 
 
 def test_direction_of_an_element_does_not_matter(listed, column) -> None:
@@ -265,29 +131,6 @@ def test_stations_of_the_jacket(oc4) -> None:
     for run in runs:  # no segment spans still water
         z = hydro.station[run.stations.start : run.stations.stop, 2]
         assert z.max() <= 1e-9 or z.min() >= -1e-9
-
-
-def test_marine_growth_widens_the_zone_only(listed, column) -> None:
-    """Inertia force on (D + 2 t) inside the zone: the closed form over the two parts."""
-    growth = {"thickness_m": 0.1, "density_kg_m3": 1100.0, "z_bottom_m": -12.3, "z_top_m": -2.1}
-    mesh = column(marine_growth=growth)
-    omega, a = 2.0 * math.pi / 10.0, 0.01
-    k = float(wavenumber(np.array([omega]), water_depth=20.0, gravity=G)[0])
-    case = listed(
-        omega,
-        a,
-        0.0,
-        wave={"order": 1, "stretching": "none"},
-        morison=morison(0.0, 2.0, 0.05, True),
-        **REGULAR,
-    )
-    got = jacket_loads(case, mesh)
-    clean = inertia_force(got.t, a, omega, k, 20.0, moving=True)
-    part = (math.sinh(k * (20.0 - 2.1)) - math.sinh(k * (20.0 - 12.3))) / math.cosh(k * 20.0)
-    extra = math.pi / 4.0 * (1.7**2 - 1.5**2)
-    exact = clean - RHO * 2.0 * extra * a * G * np.sin(omega * got.t) * part
-    assert np.abs(got.force[:, 0] - exact).max() < 2e-6 * np.abs(exact).max()
-    assert np.abs(got.force[:, 0] - clean).max() > 1e-2 * np.abs(exact).max()  # the wrong variant: no growth
 
 
 def test_order_of_work_does_not_change_the_loads(recorded, oc4, monkeypatch) -> None:
@@ -346,3 +189,90 @@ def test_surface_range_finds_the_crest_between_gauges(listed) -> None:
     )
     assert 0.92 < high <= 1.0
     assert -1.0 <= low < -0.92
+
+
+def test_gauss_points_replace_the_stations_of_submerged_elements(oc4) -> None:
+    """Every element below the level has Gauss points, up to the bed; others have stations."""
+    hydro = build_hydro_mesh(oc4, water_depth=50.0, longest=1.0, marine_growth=True, gauss_below=-6.0)
+    top = oc4.node_position[oc4.element_node[hydro.element], 2].max(axis=1)
+    loaded = np.zeros(len(hydro.element))
+    for runs in hydro.runs:
+        for run in runs:
+            assert all((top[e] < -6.0) == run.is_gauss for e in run.elements)
+            length = run.wet[:, :, 4:].sum(axis=(1, 2))  # the axial shapes add up to one
+            loaded[run.elements.start : run.elements.stop] += length
+    z = oc4.node_position[oc4.element_node[hydro.element], 2]
+    above_bed = (z.max(axis=1) - np.maximum(z.min(axis=1), -50.0)) / np.maximum(np.ptp(z, axis=1), 1e-9)
+    share = np.where(np.ptp(z, axis=1) > 1e-9, above_bed, 1.0)
+    assert loaded == pytest.approx(share * hydro.element_length, rel=1e-12)
+
+
+def test_gauss_points_of_the_whole_jacket(recorded, oc4) -> None:
+    """Fewer points, and closer to 0.1 m elements than the 1 m rule is."""
+    case = {"time": {"dt_s": 0.1, "n": 600}}
+    truth, rule, gauss = (
+        jacket_loads(recorded("A", **case, morison=options), oc4)
+        for options in (
+            {"discretisation_m": 0.1},
+            {},
+            {"points": "gauss", "distribution": "quadratic"},
+        )
+    )
+    assert len(gauss.history.hydro.station) < len(rule.history.hydro.station)
+    off, before = (np.abs(got.force - truth.force).max() for got in (gauss, rule))
+    assert off < 0.1 * before
+
+
+def test_loads_along_members_reach_the_end_forces(recorded, oc4) -> None:
+    """Fixed-end forces of a block hold the axial rows, with the other sign."""
+    options = {"axial_cd": 0.1, "axial_ca": 0.2}
+    stage = build_wave_stage(recorded("A", time={"dt_s": 0.1, "n": 50}, morison=options), oc4)
+    block, history = stage.load_block(0), stage.history()
+    assert history.end_rows.shape[1] == 10
+    assert np.array_equal(block.fixed_end[:, :, [0, 6]], -history.end_rows[:, 8:].transpose(2, 0, 1))
+    plain = build_wave_stage(recorded("A", time={"dt_s": 0.1, "n": 50}), oc4).load_block(0)
+    assert not plain.fixed_end[:, :, [0, 3, 6, 9]].any()
+
+
+def test_free_ends_are_those_of_one_member_that_nothing_holds(oc4, column) -> None:
+    assert free_ends(oc4) == []
+    assert free_ends(column()) == []
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"wave": {"order": 1, "stretching": "wheeler"}},
+        {"components": None, "regular": {"theory": "stream", "height_m": 2.0, "period_s": 8.0}},
+    ],
+)
+def test_diffraction_needs_linear_components(listed, column, fields) -> None:
+    case = {"wave": {"order": 1, "stretching": "taylor"}, "morison": {"diffraction": "maccamy-fuchs"}}
+    with pytest.raises(InputError, match=r"morison\.diffraction"):
+        jacket_loads(listed(0.8, 0.5, 0.0, **REGULAR | case | fields), column())
+
+
+def test_diffraction_is_small_for_slender_members(recorded, oc4) -> None:
+    fields = {"time": {"dt_s": 0.1, "n": 300}}
+    plain, diffracted = (
+        jacket_loads(recorded("A", **fields, morison={"diffraction": name}), oc4).force
+        for name in ("none", "maccamy-fuchs")
+    )
+    change = np.abs(plain - diffracted).max() / np.abs(plain).max()
+    assert 1e-4 < change < 2e-2
+
+
+def test_damping_of_a_record_does_not_depend_on_its_windows(recorded, oc4) -> None:
+    """The mean over three windows is that over the record; without the option there is none."""
+    fields = {"time": {"dt_s": 0.1, "n": 600}, "stream": {"block": 100}}
+    case = {"hydrodynamic_damping": True}
+    whole, cut, none = (
+        build_wave_stage(recorded("A", **fields, morison=options, wave={"window": window}), oc4)
+        .load_basis(2)
+        .damping
+        for options, window in ((case, None), (case, 200), ({}, None))
+    )
+    assert none.shape == (0, 3, 3)
+    assert np.abs(whole - cut).max() < 1e-9 * np.abs(whole).max()
+    assert np.abs(whole - whole.transpose(0, 2, 1)).max() < 1e-12 * np.abs(whole).max()
+    assert np.linalg.eigvalsh(whole).min() > -1e-9 * np.abs(whole).max()  # drag takes energy out

@@ -37,8 +37,8 @@ class Run:
         Loaded elements, indices into :attr:`HydroMesh.element`.
     diameter : float
         m, marine growth included if it was asked for.
-    place : float array [station]
-        Positions x / length along the element; empty at Gauss points.
+    place : float array [place]
+        Positions x / length of the stations along the element; empty at Gauss points.
     weights : float array [segment, node, shape]
         Nodal loads per unit force per length at the nodes of each segment [eq. 4.66].
     wet : float array [element, station, shape]
@@ -48,7 +48,7 @@ class Run:
     stations: range
     elements: range
     diameter: float
-    place: Float[np.ndarray, " station"]
+    place: Float[np.ndarray, " place"]
     weights: Float[np.ndarray, "segment node shape"]
     wet: Float[np.ndarray, "element station shape"]
 

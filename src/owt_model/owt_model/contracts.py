@@ -165,7 +165,11 @@ class LoadBasis:
 
 @dataclass(frozen=True)
 class ReducedDescription:
-    """Names and frequencies of the assembled reduced model, in the order of its arrays."""
+    """Names and frequencies of the assembled reduced model, in the order of its arrays.
+
+    ``reduction`` is the basis in use, where the case leaves the choice (``auto``) too; ``notes`` say what it
+    has less than was asked for, and what is known of its error.
+    """
 
     model_name: str
     model_hash: str
@@ -175,6 +179,7 @@ class ReducedDescription:
     damping_ratio: Float[np.ndarray, " mode"]
     end_name: tuple[str, ...]
     tower_top_coordinate: int
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

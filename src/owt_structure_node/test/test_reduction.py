@@ -10,7 +10,9 @@ from owt_model.errors import InputError
 from owt_model.mesh import build_mesh
 from owt_structure_node.core.assembly import assemble
 from owt_structure_node.core.modes import dense_modes, factorise, lowest_modes
-from owt_structure_node.core.reduction import guyan, load_vectors, mta_vectors, reduce
+from owt_structure_node.core.mta import augment
+from owt_structure_node.core.recovery import end_force_map
+from owt_structure_node.core.reduction import guyan, interface_loads, load_vectors, reduce
 from owt_structure_node.core.stage import n_mta
 
 
@@ -82,7 +84,8 @@ def test_orthogonality(models, frame):
     k_ii, m_ii = csc_array(frame.jacket_stiffness[:n, :n]), csc_array(frame.jacket_mass[:n, :n])
     omega2, phi = lowest_modes(k_ii, m_ii, 5)
     loads = load_vectors(frame, basis)[:n]
-    sigma2, vectors = mta_vectors(factorise(k_ii), k_ii, m_ii, phi, loads)
+    added = augment(factorise(k_ii), k_ii, m_ii, phi, loads)
+    sigma2, vectors = added.sigma_squared, added.vectors
     both = np.hstack([phi, vectors])
     square = np.concatenate([omega2, sigma2])
 
@@ -141,10 +144,9 @@ def test_guyan_matrices_are_symmetric_and_definite(frame):
 
 
 def test_refusals(models, frame):
-    """More than there is, nothing to augment with, dependent vectors, the wrong structure."""
+    """More than there is, nothing to augment with, the wrong structure."""
     mesh = frame.mesh
     six = random_basis(models, frame, 6)
-    double = models.load_basis(mesh, np.concatenate([six.vectors[:3], six.vectors[:3]]))
     tower_only = np.zeros((1, mesh.n_nodes, 6))
     tower_only[0, mesh.tower_top, 0] = 1.0
     alien = models.load_basis(mesh, six.vectors, model_hash="0" * 64)
@@ -152,10 +154,10 @@ def test_refusals(models, frame):
     outside = models.load_basis(mesh, np.ones((1, 1, 6)), node=np.array([mesh.n_nodes]))
     for reduction, basis, message in (
         ("CB999", None, "internal degrees of freedom"),
-        ("M06", None, "needs 6 load vectors, 0 are given"),
-        ("M08", six, "needs 8 load vectors, 6 are given"),
-        ("M06", double, "depend on each other"),
-        ("M01", models.load_basis(mesh, tower_only), "does not load the inside"),
+        ("M06", None, "needs 6 load vectors, no load basis"),
+        ("M01", models.load_basis(mesh, tower_only), "has no vector left"),
+        ("M06", models.load_basis(mesh, np.zeros((0, mesh.n_nodes, 6))), "has no vector left"),
+        ("auto", six, "has no reduction basis"),
         ("M06", alien, "is not that of structure"),
         ("M01", nan, "must be finite"),
         ("M01", outside, "must be a node"),
@@ -164,6 +166,76 @@ def test_refusals(models, frame):
     ):
         with pytest.raises(InputError, match=message):
             reduce(frame, reduction, basis)
+
+
+def test_vectors_that_add_nothing_are_left_out(models, frame):
+    """Repeated shapes, shapes above the jacket, and fewer shapes than asked for: a note, and the rest."""
+    mesh = frame.mesh
+    six = random_basis(models, frame, 6)
+    alone = reduce(frame, "CB05M06", six)
+    assert alone.notes == ()
+    double = models.load_basis(mesh, np.concatenate([six.vectors, six.vectors[:3] + six.vectors[3:]]))
+    found = reduce(frame, "CB05M09", double)
+    assert found.notes == ("CB05M09 has 6 of 9 augmentation vectors: 3 depend on modes or on other vectors",)
+    np.testing.assert_allclose(found.pseudo, alone.pseudo, rtol=1e-8)
+    fewer = reduce(frame, "CB05M08", six)
+    assert fewer.notes == ("CB05M08 has 6 of 8 augmentation vectors: the loads have 6 independent shapes",)
+    above = np.zeros((1, mesh.n_nodes, 6))
+    above[0, mesh.tower_top, 0] = 1.0
+    mixed = models.load_basis(mesh, np.concatenate([above, six.vectors]))
+    assert "1 of their shapes do not load the inside" in reduce(frame, "CB05M07", mixed).notes[0]
+    bare = reduce(frame, "CB05M01", models.load_basis(mesh, above))
+    np.testing.assert_array_equal(bare.stiffness, reduce(frame, "CB05").stiffness)
+    assert bare.notes[0].startswith("CB05M01 has 0 of 1")
+    everything = reduce(frame, f"CB{frame.internal - 2}M06", six)  # two vectors complete the space
+    assert len(everything.mass) == frame.mesh.n_dof
+    assert "4 depend" in everything.notes[0]
+
+
+def test_higher_orders_and_interface_vectors(models, frame):
+    """Counts, orthogonality, and the span of eq. 3.53 as printed."""
+    basis = random_basis(models, frame, 3)
+    n = frame.internal
+    k_ii, m_ii = csc_array(frame.jacket_stiffness[:n, :n]), csc_array(frame.jacket_mass[:n, :n])
+    reduced = reduce(frame, "CB05M03j2Y", basis)
+    assert len(reduced.pseudo) == (3 + 6) * 3
+    inside = reduced.shapes[:n, 6 : 6 + 5 + 27]
+    assert np.abs(inside.T @ (m_ii @ inside) - np.eye(32)).max() < 1e-8
+    factor, static = factorise(k_ii), guyan(frame)
+    loads = np.hstack([load_vectors(frame, basis)[:n], interface_loads(frame, static)])
+    vectors = factor.solve(loads)
+    unit = inside / np.sqrt(np.einsum("di,di->i", inside, k_ii @ inside))
+    for j in range(4):
+        vectors = vectors / np.sqrt(np.einsum("di,di->i", vectors, k_ii @ vectors))
+        left = vectors - unit @ (unit.T @ (k_ii @ vectors))
+        share = np.sqrt(np.einsum("di,di->i", left, k_ii @ left)).max()
+        assert (share < 1e-7) == (j < 3), (j, share)  # order 3 is not in the basis
+        vectors = factor.solve(np.asarray(m_ii @ vectors))
+
+
+def test_static_improvement_is_exact_for_static_loads(models, frame):
+    """CB05+SIM gives displacement, end forces and energy of any static load; CB05 does not."""
+    mesh = frame.mesh
+    rng = np.random.default_rng(8)
+    node = np.arange(4, mesh.transition_piece)
+    nodal = np.zeros((mesh.n_nodes, 6))
+    nodal[node] = rng.standard_normal((len(node), 6)) * 1e5
+    load = frame.expansion.T @ nodal.reshape(-1)
+    exact = factorise(frame.stiffness).solve(load)
+    reduced = reduce(frame, "CB05+SIM")
+    assert reduced.improvement is not None
+    shift = static(frame, reduced, load)
+    part = reduced.improvement.map(node)
+    flat = nodal[node].reshape(1, -1)
+    force = end_force_map(frame, exact[:, None])[0]
+    plain = end_force_map(frame, shift[:, None])[0]
+    improved = plain + part.forces(flat).reshape(-1, 6)
+    assert error(improved, force) < 1e-8
+    assert error(plain, force) > 1e-3
+    energy = 0.5 * exact @ (frame.stiffness @ exact)
+    base = 0.5 * shift @ (frame.stiffness @ shift)
+    assert base + part.energy(flat, 1)[0] == pytest.approx(energy, rel=1e-9)
+    assert base != pytest.approx(energy, rel=1e-4)
 
 
 def test_number_of_load_vectors():

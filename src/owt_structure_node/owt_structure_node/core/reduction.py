@@ -6,7 +6,7 @@ degrees of freedom i and boundary b::
     u_i = Psi u_b + Phi eta + Phi_MTA zeta          [eq. 3.54; the basis 3.55]
 
 ``CB00`` is Guyan's static reduction, ``CBnn`` keeps nn fixed-interface modes Phi, ``CBnnMmm`` adds mm
-modal truncation augmentation vectors, ``Mmm`` has those only, ``full`` is no reduction.
+modal truncation augmentation vectors, ``Mmm`` has those only; :mod:`owt_model.reduction_name` lists all.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import eigh
 from scipy.sparse import csc_array
 
 from owt_model.contracts import LoadBasis
@@ -23,11 +22,10 @@ from owt_model.errors import InputError
 from owt_model.reduction_name import ReductionName, parse_reduction
 from owt_structure_node.core.assembly import DOF_NAME, Assembly
 from owt_structure_node.core.modes import Factor, factorise, lowest_modes
+from owt_structure_node.core.mta import Augmentation, augment
+from owt_structure_node.core.sim import StaticImprovement
 
-__all__ = ["GuyanModel", "Reduction", "guyan", "load_vectors", "mta_vectors", "reduce"]
-
-#: Smallest eigenvalue of the normalised Gram matrix at which load vectors count as independent.
-_INDEPENDENT = 1e-12
+__all__ = ["GuyanModel", "Reduction", "guyan", "interface_loads", "load_vectors", "reduce"]
 
 
 @dataclass(frozen=True)
@@ -45,6 +43,10 @@ class Reduction:
         omega^2 of the fixed-interface modes kept, in rad2/s2.
     pseudo : float array [vector]
         sigma^2 of the augmentation vectors (eq. 3.42), in rad2/s2.
+    notes : tuple of str
+        What the basis has less than was asked for, one line each.
+    improvement : StaticImprovement, optional
+        Static response of what the basis leaves out, where asked for.
     """
 
     name: str
@@ -54,6 +56,8 @@ class Reduction:
     coordinate_name: tuple[str, ...]
     fixed_interface: Float[np.ndarray, " mode"]
     pseudo: Float[np.ndarray, " vector"]
+    notes: tuple[str, ...] = ()
+    improvement: StaticImprovement | None = None
 
 
 @dataclass(frozen=True)
@@ -95,22 +99,33 @@ def guyan(assembly: Assembly) -> GuyanModel:
     return GuyanModel(constraint, 0.5 * (k_bb + k_bb.T), 0.5 * (m_bb + m_bb.T), factor)
 
 
-def reduce(assembly: Assembly, reduction: str, basis: LoadBasis | None = None) -> Reduction:
+def reduce(
+    assembly: Assembly,
+    reduction: str,
+    basis: LoadBasis | None = None,
+    *,
+    jacket_stiffness_factor: float = 1.0,
+) -> Reduction:
     """Build the basis of a reduced model and project onto it [eq. 3.55-3.57].
+
+    Vectors that the loads cannot give, or that depend on others, are left out, with a note.
 
     Parameters
     ----------
     assembly : Assembly
         The unreduced structure.
     reduction : str
-        ``CBnn``, ``CBnnMmm`` or ``Mmm``; ``full`` has no basis and is refused here.
+        As :mod:`owt_model.reduction_name` lists; ``full`` and ``auto`` have no basis and are refused here.
     basis : LoadBasis, optional
         Load vectors for the augmentation.
+    jacket_stiffness_factor : float
+        As given to :func:`owt_structure_node.core.assembly.assemble`.
 
     Raises
     ------
     InputError
-        If the reduction asks for more than the structure or the basis has.
+        If the reduction asks for more modes than the structure has, for load vectors without a basis, or for
+        vectors only, of which none remain.
     ComputationError
         If a factorisation or an eigenvalue problem fails.
     """
@@ -121,21 +136,30 @@ def reduce(assembly: Assembly, reduction: str, basis: LoadBasis | None = None) -
     k_ii = csc_array(assembly.jacket_stiffness[:n_i, :n_i])
     m_ii = csc_array(assembly.jacket_mass[:n_i, :n_i])
     omega2, phi = lowest_modes(k_ii, m_ii, name.fixed_interface_modes)
-    sigma2, phi_mta = np.zeros(0), np.zeros((n_i, 0))
-    if name.load_vectors:
-        assert basis is not None  # _check refused it otherwise
-        vectors = load_vectors(assembly, basis)[:n_i, : name.load_vectors]
-        sigma2, phi_mta = mta_vectors(static.factor, k_ii, m_ii, phi, vectors, reduction)
+    loads = _augmenting_loads(name, assembly, static, basis)
+    added = augment(static.factor, k_ii, m_ii, phi, loads, name.order)
+    sigma2 = added.sigma_squared
+    if not (len(sigma2) or reduction.startswith("CB")):
+        raise InputError(
+            "structure.reduction",
+            reduction,
+            "has no vector left: the loads do not act inside the jacket, or do not change in time",
+            "Use CBnn.",
+        )
     n_q = 6 + len(omega2) + len(sigma2)
     n_upper = assembly.mesh.n_dof - n_i
     shapes = np.zeros((assembly.mesh.n_dof, n_q + n_upper - 6))
     shapes[:n_i, :6] = static.constraint
     shapes[:n_i, 6 : 6 + len(omega2)] = phi
-    shapes[:n_i, 6 + len(omega2) : n_q] = phi_mta
+    shapes[:n_i, 6 + len(omega2) : n_q] = added.vectors
     shapes[n_i : n_i + 6, :6] = np.eye(6)
     shapes[n_i + 6 :, n_q:] = np.eye(n_upper - 6)
     stiffness = shapes.T @ (assembly.stiffness @ shapes)
     mass = shapes.T @ (assembly.mass @ shapes)
+    improvement = None
+    if name.static_improvement:
+        kept = shapes[:n_i, 6:n_q] / np.sqrt(np.concatenate([omega2, sigma2]))
+        improvement = StaticImprovement(assembly, static.factor, kept, jacket_stiffness_factor)
     return Reduction(
         name=reduction,
         shapes=shapes,
@@ -144,7 +168,47 @@ def reduce(assembly: Assembly, reduction: str, basis: LoadBasis | None = None) -
         coordinate_name=_names(assembly, len(omega2), len(sigma2)),
         fixed_interface=omega2,
         pseudo=sigma2,
+        notes=_notes(name, reduction, basis, added),
+        improvement=improvement,
     )
+
+
+def interface_loads(assembly: Assembly, static: GuyanModel) -> Float[np.ndarray, "internal 6"]:
+    """Inertia forces inside the jacket per interface acceleration: Y = -M_ii Psi - M_ib [eq. 3.49]."""
+    i, b = slice(0, assembly.internal), slice(assembly.internal, assembly.internal + 6)
+    mass = assembly.jacket_mass
+    return np.asarray(-(mass[i, i] @ static.constraint) - mass[i, b].toarray())
+
+
+def _augmenting_loads(
+    name: ReductionName, assembly: Assembly, static: GuyanModel, basis: LoadBasis | None
+) -> Float[np.ndarray, "internal load"]:
+    """[F Y] of eq. 3.53; F first, since it matters most."""
+    loads = [np.zeros((assembly.internal, 0))]
+    if name.load_vectors and basis is not None:
+        loads.append(load_vectors(assembly, basis)[: assembly.internal, : name.load_vectors])
+    if name.interface_vectors:
+        loads.append(interface_loads(assembly, static))
+    return np.hstack(loads)
+
+
+def _notes(
+    name: ReductionName, reduction: str, basis: LoadBasis | None, added: Augmentation
+) -> tuple[str, ...]:
+    """What became of the vectors that were asked for."""
+    given = min(name.load_vectors, 0 if basis is None else len(basis.vectors))
+    asked = (name.load_vectors + 6 * name.interface_vectors) * (name.order + 1)
+    reasons = []
+    if given < name.load_vectors:
+        reasons.append(f"the loads have {given} independent shapes")
+    if added.unloaded:
+        reasons.append(f"{added.unloaded} of their shapes do not load the inside of the jacket")
+    if added.dependent:
+        reasons.append(f"{added.dependent} depend on modes or on other vectors")
+    if not reasons:
+        return ()
+    kept = len(added.sigma_squared)
+    return (f"{reduction} has {kept} of {asked} augmentation vectors: {'; '.join(reasons)}",)
 
 
 def load_vectors(assembly: Assembly, basis: LoadBasis) -> Float[np.ndarray, "dof vector"]:
@@ -174,90 +238,23 @@ def load_vectors(assembly: Assembly, basis: LoadBasis) -> Float[np.ndarray, "dof
     return np.asarray(assembly.expansion.T @ nodal.reshape(6 * mesh.n_nodes, -1))
 
 
-def mta_vectors(
-    factor: Factor,
-    stiffness: csc_array,
-    mass: csc_array,
-    modes: Float[np.ndarray, "internal mode"],
-    loads: Float[np.ndarray, "internal vector"],
-    reduction: str = "Mmm",
-) -> tuple[Float[np.ndarray, " vector"], Float[np.ndarray, "internal vector"]]:
-    """First-order modal truncation augmentation vectors: j = 0 of eq. 3.53, then eq. 3.42 and 3.43.
-
-    Parameters
-    ----------
-    factor : Factor
-        Of the internal stiffness.
-    stiffness, mass : sparse [internal, internal]
-        K_ii and M_ii.
-    modes : float array [internal, mode]
-        Fixed-interface modes, mass-normalised, to which the vectors are made orthogonal.
-    loads : float array [internal, vector]
-        Load vectors F.
-    reduction : str
-        Its name, for the error message.
-
-    Returns
-    -------
-    sigma_squared : float array [vector]
-        Squares of the pseudo-frequencies, ascending, in rad2/s2.
-    vectors : float array [internal, vector]
-        Orthonormal as eq. 3.44: V' M V = 1, V' K V = sigma^2, Phi' M V = 0.
-
-    Raises
-    ------
-    InputError
-        If the vectors are not independent of each other and of the modes.
-    """
-    static = factor.solve(loads)
-    energy = np.sqrt(np.einsum("dv,dv->v", loads, static))
-    if not (energy > 0.0).all():
-        raise InputError(
-            "structure.reduction",
-            reduction,
-            f"uses load vector {int(energy.argmin())}, which does not load the inside of the jacket",
-            "Use fewer MTA vectors.",
-        )
-    static = static / energy
-    for _ in range(2):  # twice, so that the orthogonality holds to round-off
-        static = static - modes @ (modes.T @ (mass @ static))
-    k_small = static.T @ (stiffness @ static)
-    independence = float(np.linalg.eigvalsh(0.5 * (k_small + k_small.T))[0])
-    if not independence > _INDEPENDENT:
-        raise InputError(
-            "structure.reduction",
-            reduction,
-            f"has load vectors that depend on each other or on the modes (smallest eigenvalue of their Gram "
-            f"matrix {independence:.1e}, at least {_INDEPENDENT:.0e} needed)",
-            "Use fewer MTA vectors or fixed-interface modes, or a richer load history.",
-        )
-    m_small = static.T @ (mass @ static)
-    # The flexible end of the pencil is the interesting one: solve M y = (1/sigma^2) K y, K well scaled.
-    inverse, y = eigh(0.5 * (m_small + m_small.T), 0.5 * (k_small + k_small.T))
-    order = np.argsort(-inverse)
-    vectors = static @ (y[:, order] / np.sqrt(inverse[order]))
-    return 1.0 / inverse[order], np.ascontiguousarray(vectors)
-
-
 def _check(name: ReductionName, assembly: Assembly, reduction: str, basis: LoadBasis | None) -> None:
-    if name.full:
+    if name.full or name.auto:
         raise InputError("structure.reduction", reduction, "has no reduction basis", "Use CBnn or Mmm.")
-    wanted = name.fixed_interface_modes + name.load_vectors
-    if wanted > assembly.internal:
+    if name.fixed_interface_modes > assembly.internal:
         raise InputError(
             "structure.reduction",
             reduction,
-            f"asks for {wanted} modes and vectors, the jacket has {assembly.internal} internal degrees of "
-            "freedom",
+            f"asks for {name.fixed_interface_modes} modes, the jacket has {assembly.internal} internal "
+            "degrees of freedom",
             "Use fewer, or full.",
         )
-    given = 0 if basis is None else len(basis.vectors)
-    if name.load_vectors > given:
+    if name.load_vectors and basis is None:
         raise InputError(
             "structure.reduction",
             reduction,
-            f"needs {name.load_vectors} load vectors, {given} are given",
-            "Give a load basis with as many vectors.",
+            f"needs {name.load_vectors} load vectors, no load basis is given",
+            "Give the load basis of a sea state.",
         )
 
 

@@ -13,6 +13,7 @@ from owt_model.mesh import Mesh
 from owt_structure_node.core.assembly import DOF_NAME, Assembly, assemble
 from owt_structure_node.core.modes import dense_modes
 from owt_structure_node.core.reduction import reduce
+from owt_structure_node.core.sim import StaticImprovement
 
 __all__ = ["MAX_REPORTED_MODES", "ModalModel", "build_modal_model", "describe", "drag_rate", "modal_damping"]
 
@@ -40,6 +41,10 @@ class ModalModel:
     coordinate : float array [mode, coordinate]
         Generalised coordinates per unit amplitude of each mode.
     coordinate_name : tuple of str
+    notes : tuple of str
+        What the basis has less than was asked for, one line each.
+    improvement : StaticImprovement, optional
+        Static response of what the basis leaves out, where asked for.
     """
 
     assembly: Assembly
@@ -49,6 +54,8 @@ class ModalModel:
     amplitude: Float[np.ndarray, "mode function"] | None
     coordinate: Float[np.ndarray, "mode coordinate"]
     coordinate_name: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    improvement: StaticImprovement | None = None
 
     @property
     def shapes(self) -> Float[np.ndarray, "dof mode"]:
@@ -81,7 +88,7 @@ def build_modal_model(
     mesh : Mesh
         The structure.
     reduction : str
-        ``full``, ``CBnn``, ``CBnnMmm`` or ``Mmm``.
+        As :mod:`owt_model.reduction_name` lists.
     basis : LoadBasis, optional
         Load vectors for the augmentation.
     jacket_stiffness_factor : float
@@ -99,7 +106,7 @@ def build_modal_model(
         names = [f"{mesh.node_name[node]}.{direction}" for node in nodes for direction in DOF_NAME]
         coordinate = np.ascontiguousarray(shapes[mesh.node_dof[nodes].reshape(-1)].T)
         return ModalModel(assembly, reduction, omega2, shapes, None, coordinate, tuple(names))
-    reduced = reduce(assembly, reduction, basis)
+    reduced = reduce(assembly, reduction, basis, jacket_stiffness_factor=jacket_stiffness_factor)
     omega2, modes = dense_modes(reduced.stiffness, reduced.mass)
     amplitude = np.ascontiguousarray(modes.T)
     return ModalModel(
@@ -110,6 +117,8 @@ def build_modal_model(
         amplitude=amplitude,
         coordinate=amplitude,
         coordinate_name=reduced.coordinate_name,
+        notes=reduced.notes,
+        improvement=reduced.improvement,
     )
 
 
@@ -167,4 +176,5 @@ def describe(
         damping_ratio=(ratio + drag / (2.0 * np.sqrt(model.omega_squared)))[lowest],
         end_name=mesh.end_name,
         tower_top_coordinate=model.coordinate_name.index(top),
+        notes=model.notes,
     )

@@ -33,6 +33,7 @@ from owt_structure_node.core.recovery import (
     stresses,
 )
 from owt_structure_node.core.response import build_modal_model, describe, drag_rate, modal_damping
+from owt_structure_node.core.sim import ImprovementMap, StaticImprovement
 
 __all__ = [
     "Response",
@@ -63,6 +64,8 @@ class ResponseModel:
         Basis functions that strain a member: a few, since the tower has functions of its own.
     end_force : float array [strained, end, 6]
         K_e u_e at the member ends per unit amplitude of those, in element axes.
+    improvement : StaticImprovement, optional
+        Static response of what the basis leaves out, added to forces and potential energy.
     """
 
     description: ReducedDescription
@@ -75,6 +78,7 @@ class ResponseModel:
     ends: EndSections
     strained: Int[np.ndarray, " strained"]
     end_force: Float[np.ndarray, "strained end 6"]
+    improvement: StaticImprovement | None = None
 
 
 @dataclass(frozen=True)
@@ -89,6 +93,8 @@ class LoadMap:
         From those to modal loads.
     columns : int array [end, 2]
         From fixed-end forces to member ends.
+    improvement : ImprovementMap, optional
+        From nodal loads to the static response of what the basis leaves out.
     """
 
     node: Int[np.ndarray, " loaded"]
@@ -96,6 +102,7 @@ class LoadMap:
     projection: Float[np.ndarray, "load moved"]
     to_modes: Float[np.ndarray, "moved mode"] | None
     columns: Int[np.ndarray, "end 2"]
+    improvement: ImprovementMap | None = None
 
 
 @dataclass(frozen=True)
@@ -108,6 +115,7 @@ class ResponseState:
     loads: LoadMap | None = None
     motion: MotionState | None = None
     fixed_end: Float[np.ndarray, "fixed 12"] | None = None
+    improved: Float[np.ndarray, " load"] | None = None
 
 
 @dataclass(frozen=True)
@@ -160,6 +168,7 @@ def build_response_model(case: CaseConfig, mesh: Mesh, basis: LoadBasis | None) 
         ends=end_sections(mesh),
         strained=strained,
         end_force=np.ascontiguousarray(end_force[strained]),
+        improvement=model.improvement,
     )
 
 
@@ -187,7 +196,8 @@ def step(model: ResponseModel, state: ResponseState, load: LoadBlock) -> tuple[R
     """
     _check_block(model, state, load)
     loads = state.loads if state.loads is not None else _load_map(model, load)
-    modal_load = load.nodal.reshape(len(load.nodal), -1) @ loads.projection
+    nodal = load.nodal.reshape(len(load.nodal), -1)
+    modal_load = nodal @ loads.projection
     if loads.to_modes is not None:
         modal_load = modal_load @ loads.to_modes
     first = state.motion is None
@@ -205,8 +215,13 @@ def step(model: ResponseModel, state: ResponseState, load: LoadBlock) -> tuple[R
     shown = slice(0 if first else 1, None)
     coordinate = motion.displacement if model.amplitude is None else motion.displacement @ model.amplitude
     force = _end_forces(model, coordinate)
-    add_fixed_end_forces(force, fixed_end, loads.columns, model.oscillators.substeps)
     substeps = model.oscillators.substeps
+    add_fixed_end_forces(force, fixed_end, loads.columns, substeps)
+    extra_energy: Float[np.ndarray, " row"] | float = 0.0
+    if loads.improvement is not None:
+        improved = nodal if state.improved is None else np.concatenate([state.improved[None], nodal])
+        add_fixed_end_forces(force, loads.improvement.forces(improved), loads.improvement.columns, substeps)
+        extra_energy = loads.improvement.energy(improved, substeps)[shown]
     head = {
         "sequence": load.sequence,
         "start": 0 if first else substeps * (load.start - 1) + 1,
@@ -217,7 +232,7 @@ def step(model: ResponseModel, state: ResponseState, load: LoadBlock) -> tuple[R
     response = Response(
         modal=_modal_block(model, motion, coordinate[shown], head),
         stress=_stress_block(model, force[shown], head),
-        energy=_energy_block(model, motion, head),
+        energy=_energy_block(model, motion, head, extra_energy),
     )
     if not (np.isfinite(response.energy.potential).all() and np.isfinite(response.stress.von_mises).all()):
         raise ComputationError(
@@ -232,6 +247,7 @@ def step(model: ResponseModel, state: ResponseState, load: LoadBlock) -> tuple[R
             loads=loads,
             motion=after,
             fixed_end=load.fixed_end[-1].copy(),
+            improved=None if loads.improvement is None else nodal[-1].copy(),
         ),
         response,
     )
@@ -281,14 +297,19 @@ def _stress_block(
     )
 
 
-def _energy_block(model: ResponseModel, motion: Motion, head: dict[str, int | float | bool]) -> EnergyBlock:
-    """Potential x' K x / 2 and kinetic v' M v / 2, which are sums over the modes."""
+def _energy_block(
+    model: ResponseModel,
+    motion: Motion,
+    head: dict[str, int | float | bool],
+    extra: Float[np.ndarray, " row"] | float,
+) -> EnergyBlock:
+    """Potential x' K x / 2 and kinetic v' M v / 2, which are sums over the modes; `extra` is potential."""
     potential = 0.5 * model.oscillators.stiffness * motion.displacement**2
     kinetic = 0.5 * motion.velocity**2
     n = len(model.description.frequency_hz)
     return EnergyBlock(
         **head,  # type: ignore[arg-type]
-        potential=potential.sum(axis=1),
+        potential=potential.sum(axis=1) + extra,
         kinetic=kinetic.sum(axis=1),
         potential_mode=np.ascontiguousarray(potential[:, :n]),
         kinetic_mode=np.ascontiguousarray(kinetic[:, :n]),
@@ -312,6 +333,7 @@ def _load_map(model: ResponseModel, load: LoadBlock) -> LoadMap:
         projection=np.ascontiguousarray(projection[:, moved]),
         to_modes=_columns(model.amplitude, moved),
         columns=fixed_end_columns(model.ends, load.element),
+        improvement=None if model.improvement is None else model.improvement.map(load.node),
     )
 
 

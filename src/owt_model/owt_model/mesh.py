@@ -1,7 +1,10 @@
 """The finite element mesh of a structure: nodes, beam elements, supports and the rigid interface.
 
-Node order: joints as listed in the structure, then the internal nodes of each member, then the
-transition-piece node, then the tower nodes from bottom to top. Element order: member by member from
+Node order: joints as listed in the structure, then the own nodes of each member, then the
+transition-piece node, then the tower nodes from bottom to top. A member's own nodes are those inside it
+and, at a released end, one on the joint, ``member:joint``: it moves with the joint but for the free
+rotations, which are degrees of freedom of its own about :attr:`Mesh.node_axes`. Nodal loads, masses and
+section forces at a released end need nothing else. Element order: member by member from
 the first joint to the second, then the tower from bottom to top. Both orders are part of the
 interface: messages and result files use them.
 """
@@ -14,7 +17,8 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from owt_model.structure import Section, Structure, Tower
+from owt_model.axes import rotation
+from owt_model.structure import Member, Release, Section, Structure, Tower
 
 __all__ = ["DOF_FIXED", "DOF_TIED", "Mesh", "build_mesh"]
 
@@ -36,14 +40,20 @@ class Mesh:
     node_position : float array [node, 3]
         x, y, z in m, z up from still water.
     node_dof : int array [node, 6]
-        Number of the free degree of freedom, ``DOF_FIXED`` at supports, ``DOF_TIED`` at interface
-        joints, whose motion is that of the rigid transition piece.
+        Number of the free degree of freedom, ``DOF_FIXED`` at supports, ``DOF_TIED`` where the node
+        follows :attr:`node_leader`.
+    node_leader : int array [node]
+        Node that this one follows as a rigid body, itself where it follows none: the transition piece for
+        interface joints, a joint for the others of its rigid link and for released member ends.
+    node_axes : float array [node, 3, 3]
+        Directions, as rows, of the rotational degrees of freedom of a released end; of any other node those
+        of the global axes.
     element_node : int array [element, 2]
         First and last node.
     element_member : int array [element]
         Member of the element, -1 for a tower element.
     element_diameter, element_thickness : float arrays [element]
-        Outer diameter and wall thickness in m; of a tower element those at its middle.
+        Outer diameter and wall thickness in m; where they vary, those at its middle.
     element_youngs_modulus, element_shear_modulus : float arrays [element]
         Pa.
     element_density : float array [element]
@@ -51,7 +61,7 @@ class Mesh:
     member_name : tuple of str [member]
         In the order of the structure.
     member_node, member_element : int arrays [member, 2]
-        First and last node, first and last element of each member.
+        First and last joint, first and last element of each member.
     member_flooded : bool array [member]
         True where water fills the member up to the free surface of the structure's `flooding`.
     interface_node : int array [interface]
@@ -66,6 +76,8 @@ class Mesh:
     node_name: tuple[str, ...]
     node_position: Float[np.ndarray, "node 3"]
     node_dof: Int[np.ndarray, "node 6"]
+    node_leader: Int[np.ndarray, " node"]
+    node_axes: Float[np.ndarray, "node 3 3"]
     element_node: Int[np.ndarray, "element 2"]
     element_member: Int[np.ndarray, " element"]
     element_diameter: Float[np.ndarray, " element"]
@@ -139,6 +151,7 @@ class _Builder:
         self.joint = {name: i for i, name in enumerate(structure.joints)}
         self.name = list(structure.joints)
         self.position = [np.array(p, dtype=float) for p in structure.joints.values()]
+        self.released: dict[int, tuple[int, Release, Float[np.ndarray, "3 3"]]] = {}
         self.ends: list[tuple[int, int]] = []
         self.owner: list[int] = []
         self.properties: list[tuple[float, ...]] = []
@@ -148,6 +161,17 @@ class _Builder:
         self.name.append(name)
         self.position.append(position)
         return len(self.name) - 1
+
+    def end(self, name: str, member: Member, side: int) -> int:
+        """Node of a member's end: its joint, or a new node on it where the end is released."""
+        joint, release = member.joints[side], member.releases[side]
+        leader = self.joint[joint]
+        if release is None:
+            return leader
+        ends = [self.position[self.joint[j]][None] for j in member.joints]
+        node = self.node(f"{name}:{joint}", self.position[leader])
+        self.released[node] = (leader, release, _release_axes(release, rotation(*ends)[0]))
+        return node
 
     def element(
         self, first: int, last: int, owner: int, wall: tuple[float, float], material: Section | Tower
@@ -160,13 +184,23 @@ class _Builder:
         )
         return len(self.ends) - 1
 
-    def member(self, m: int, name: str, joints: tuple[str, str], section: Section, count: int) -> list[int]:
-        """Add a member of `count` elements; returns its first and last element."""
-        first, last = (self.joint[j] for j in joints)
-        begin, end = self.position[first], self.position[last]
-        inner = [self.node(f"{name}.{i}", begin + (end - begin) * (i / count)) for i in range(1, count)]
-        wall = (section.diameter_m, section.thickness_m)
-        added = [self.element(a, b, m, wall, section) for a, b in pairwise([first, *inner, last])]
+    def member(self, m: int, name: str, member: Member, structure: Structure) -> list[int]:
+        """Add a member and its elements, each as it is at its middle; returns its first and last element."""
+        count = structure.elements_per_member
+        begin, end = (self.position[self.joint[j]] for j in member.joints)
+        nodes = [self.end(name, member, 0)]
+        nodes += [self.node(f"{name}.{i}", begin + (end - begin) * (i / count)) for i in range(1, count)]
+        nodes.append(self.end(name, member, 1))
+        section = structure.sections[member.section]
+        last = structure.sections[member.section_last or member.section]
+        added = []
+        for i, (a, b) in enumerate(pairwise(nodes)):
+            s = (i + 0.5) / count
+            wall = (
+                section.diameter_m + (last.diameter_m - section.diameter_m) * s,
+                section.thickness_m + (last.thickness_m - section.thickness_m) * s,
+            )
+            added.append(self.element(a, b, m, wall, section))
         return [added[0], added[-1]]
 
     def tower(self, tower: Tower, base: int) -> list[int]:
@@ -186,17 +220,19 @@ def build_mesh(structure: Structure) -> Mesh:
     made = _Builder(structure)
     members = structure.members.values()
     member_element = [
-        made.member(m, name, member.joints, structure.sections[member.section], structure.elements_per_member)
-        for m, (name, member) in enumerate(structure.members.items())
+        made.member(m, name, member, structure) for m, (name, member) in enumerate(structure.members.items())
     ]
     transition_piece = made.node("TP", np.array(structure.interface.reference_m, dtype=float))
     tower_node = [] if structure.tower is None else made.tower(structure.tower, transition_piece)
+    leader, axes = _leaders(structure, made, transition_piece)
     diameter, thickness, youngs, shear, density = np.array(made.properties, dtype=float).T.copy()
     return Mesh(
         structure=structure,
         node_name=tuple(made.name),
         node_position=np.array(made.position),
-        node_dof=_number(structure, made.joint, len(made.name)),
+        node_dof=_number(structure, made, leader),
+        node_leader=leader,
+        node_axes=axes,
         element_node=np.array(made.ends, dtype=np.int64),
         element_member=np.array(made.owner, dtype=np.int64),
         element_diameter=diameter,
@@ -214,13 +250,42 @@ def build_mesh(structure: Structure) -> Mesh:
     )
 
 
-def _number(structure: Structure, joint: dict[str, int], n_nodes: int) -> Int[np.ndarray, "node 6"]:
+def _release_axes(release: Release, member: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
+    """Directions about which the end turns: the member's own axes, or a hinge and two across it."""
+    if release.hinge is None:
+        return member
+    hinge = np.array(release.hinge) / np.linalg.norm(release.hinge)
+    other = np.eye(3)[int(np.abs(hinge).argmin())]
+    across = np.cross(hinge, other) / np.linalg.norm(np.cross(hinge, other))
+    return np.array([hinge, across, np.cross(hinge, across)])
+
+
+def _leaders(
+    structure: Structure, made: _Builder, transition_piece: int
+) -> tuple[Int[np.ndarray, " node"], Float[np.ndarray, "node 3 3"]]:
+    """Which node each follows, chains resolved to their last, and the axes of the rotations."""
+    leader = np.arange(len(made.name), dtype=np.int64)
+    for name, of in structure.rigid_groups().items():
+        leader[made.joint[name]] = made.joint[of]
+    tied = [made.joint[joint] for joint in structure.interface.joints]
+    leader[np.isin(leader, tied)] = transition_piece
+    axes = np.tile(np.eye(3), (len(leader), 1, 1))
+    for node, (joint, _, directions) in made.released.items():
+        leader[node], axes[node] = joint, directions
+    return leader, axes
+
+
+def _number(
+    structure: Structure, made: _Builder, leader: Int[np.ndarray, " node"]
+) -> Int[np.ndarray, "node 6"]:
     """Number the free degrees of freedom in node order."""
-    state = np.zeros((n_nodes, 6), dtype=np.int64)
+    state = np.zeros((len(leader), 6), dtype=np.int64)
     for name, fixed in structure.supports.items():
-        state[joint[name], np.array(fixed)] = DOF_FIXED
-    for name in structure.interface.joints:
-        state[joint[name]] = DOF_TIED
+        state[made.joint[name], np.array(fixed)] = DOF_FIXED
+    state[leader != np.arange(len(leader))] = DOF_TIED
+    for node, (_, release, _) in made.released.items():
+        about = "x" if release.hinge is not None else release.about
+        state[node, [3 + "xyz".index(axis) for axis in about]] = 0
     free = state == 0
     state[free] = np.arange(np.count_nonzero(free))
     return state

@@ -13,11 +13,27 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
 import yaml
 from pydantic import Field, ValidationError, model_validator
 
 from owt_model.errors import InputError
+from owt_model.parts import (
+    AddedMass,
+    Fixity,
+    Flooding,
+    Interface,
+    MarineGrowth,
+    Member,
+    Point,
+    PointMass,
+    Release,
+    RigidLink,
+    RotorNacelle,
+    Section,
+    StaticState,
+    SupportSpring,
+    Tower,
+)
 from owt_model.validation import Frozen, input_error
 
 __all__ = [
@@ -27,145 +43,18 @@ __all__ = [
     "MarineGrowth",
     "Member",
     "PointMass",
+    "Release",
+    "RigidLink",
     "RotorNacelle",
     "Section",
+    "StaticState",
     "Structure",
+    "SupportSpring",
     "Tower",
     "load_structure",
     "parse_structure",
     "shipped_structures",
 ]
-
-Coordinate = Annotated[float, Field(ge=-1e5, le=1e5)]
-Point = tuple[Coordinate, Coordinate, Coordinate]
-Positive = Annotated[float, Field(gt=0.0)]
-NonNegative = Annotated[float, Field(ge=0.0)]
-Fixity = tuple[bool, bool, bool, bool, bool, bool]
-CLAMPED: Fixity = (True, True, True, True, True, True)
-
-
-class Section(Frozen):
-    """Circular hollow section of one material."""
-
-    diameter_m: Positive = Field(description="outer diameter in m")
-    thickness_m: Positive = Field(description="wall thickness in m")
-    youngs_modulus_pa: Positive = Field(description="Young's modulus in Pa")
-    shear_modulus_pa: Positive = Field(description="shear modulus in Pa")
-    density_kg_m3: NonNegative = Field(description="density of the wall in kg/m3")
-
-    @model_validator(mode="after")
-    def _tube(self) -> Section:
-        if 2.0 * self.thickness_m > self.diameter_m:
-            raise InputError(
-                "sections.*.thickness_m",
-                self.thickness_m,
-                f"must be at most half of the diameter {self.diameter_m} m",
-                "Check the section table.",
-            )
-        return self
-
-
-class Member(Frozen):
-    """A straight tube from its first to its second joint."""
-
-    joints: tuple[str, str]
-    section: str
-    flooded: bool = Field(False, description="filled with water up to the free surface of `flooding`")
-
-
-class Interface(Frozen):
-    """Joints tied rigidly to one six-degree-of-freedom node, the transition piece."""
-
-    joints: tuple[str, ...] = Field(min_length=1)
-    reference_m: Point = Field(description="position of the transition-piece node in m")
-
-
-class PointMass(Frozen):
-    """Mass and inertia about the node; `offset_m` is the centre of gravity seen from the node."""
-
-    mass_kg: NonNegative = 0.0
-    inertia_kg_m2: Annotated[tuple[float, ...], Field(min_length=6, max_length=6)] = Field(
-        (0.0,) * 6, description="Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of gravity, in kg m2"
-    )
-    offset_m: Point = (0.0, 0.0, 0.0)
-
-
-class Tower(Frozen):
-    """Tower of linearly tapering diameter and parabolic wall thickness, from the transition piece up."""
-
-    height_m: Positive
-    elements: Annotated[int, Field(ge=1, le=1000)] = 17
-    diameter_base_m: Positive
-    diameter_top_m: Positive
-    thickness_base_m: Positive
-    thickness_mid_m: Positive
-    thickness_top_m: Positive
-    youngs_modulus_pa: Positive
-    shear_modulus_pa: Positive
-    density_kg_m3: Positive
-
-    @model_validator(mode="after")
-    def _wall(self) -> Tower:
-        for s in np.linspace(0.0, 1.0, 101):
-            wall, diameter = self.thickness_at(float(s)), self.diameter_at(float(s))
-            if not 0.0 < 2.0 * wall <= diameter or wall < 0.2 * min(
-                self.thickness_base_m, self.thickness_top_m
-            ):
-                raise InputError(
-                    "tower.thickness_mid_m",
-                    self.thickness_mid_m,
-                    f"makes the parabolic wall {wall:.3g} m thick at {s:.0%} of the height",
-                    "Choose a middle thickness between those of base and top.",
-                )
-        return self
-
-    def diameter_at(self, s: float) -> float:
-        """Outer diameter in m at the share `s` of the height."""
-        return self.diameter_base_m + (self.diameter_top_m - self.diameter_base_m) * s
-
-    def thickness_at(self, s: float) -> float:
-        """Wall thickness in m at the share `s` of the height: a parabola through base, mid and top."""
-        base, mid, top = self.thickness_base_m, self.thickness_mid_m, self.thickness_top_m
-        return base * (1 - s) * (1 - 2 * s) + 4 * mid * s * (1 - s) + top * s * (2 * s - 1)
-
-
-class RotorNacelle(PointMass):
-    """Rotor-nacelle assembly, lumped at the tower top."""
-
-
-class MarineGrowth(Frozen):
-    """Marine growth of constant thickness between two levels."""
-
-    thickness_m: Positive
-    density_kg_m3: Positive
-    z_bottom_m: float
-    z_top_m: float
-
-    @model_validator(mode="after")
-    def _upright(self) -> MarineGrowth:
-        if self.z_bottom_m >= self.z_top_m:
-            raise InputError(
-                "marine_growth.z_bottom_m",
-                self.z_bottom_m,
-                f"must lie below z_top_m = {self.z_top_m} m",
-                "z is up from still water.",
-            )
-        return self
-
-
-class Flooding(Frozen):
-    """Water inside the flooded members, up to its free surface."""
-
-    density_kg_m3: Positive
-    free_surface_z_m: float = 0.0
-
-
-class AddedMass(Frozen):
-    """Added mass of the displaced water, growth included."""
-
-    coefficient: NonNegative = 1.0
-    density_kg_m3: Positive
-    free_surface_z_m: float = 0.0
 
 
 class Structure(Frozen):
@@ -175,7 +64,12 @@ class Structure(Frozen):
     description: str = ""
     sources: tuple[str, ...] = ()
     beam: Literal["euler-bernoulli", "timoshenko"] = "euler-bernoulli"
-    rotary_inertia: bool = Field(False, description="rotary inertia in the consistent mass of the members")
+    mass: Literal["consistent", "lumped"] = Field(
+        "consistent",
+        description="mass of the elements: consistent, or halves at the nodes with the rotary terms of the "
+        "scaled diagonal (HRZ)",
+    )
+    rotary_inertia: bool = Field(False, description="rotary inertia of the members' sections in bending")
     elements_per_member: Annotated[int, Field(ge=1, le=100)] = 4
     extra_mass: Literal["distributed", "joints"] = Field(
         "distributed",
@@ -186,7 +80,11 @@ class Structure(Frozen):
     sections: dict[str, Section]
     joints: dict[str, Point]
     members: dict[str, Member]
-    supports: dict[str, Fixity] = Field(description="joint: six flags, true for a fixed degree of freedom")
+    supports: dict[str, Fixity] = Field(
+        default_factory=dict, description="joint: six flags, true for a fixed degree of freedom"
+    )
+    support_springs: dict[str, SupportSpring] = Field(default_factory=dict, description="elastic supports")
+    rigid_links: dict[str, RigidLink] = Field(default_factory=dict)
     interface: Interface
     point_masses: dict[str, PointMass] = Field(default_factory=dict, description="at joints")
     transition_piece: PointMass = Field(default_factory=PointMass)
@@ -195,6 +93,10 @@ class Structure(Frozen):
     marine_growth: MarineGrowth | None = None
     flooding: Flooding | None = None
     added_mass: AddedMass | None = None
+    static_state: StaticState | None = Field(
+        None, description="count the weights' geometric stiffness in every analysis"
+    )
+    notes: tuple[str, ...] = Field((), description="what an import left out")
 
     @model_validator(mode="after")
     def _consistent(self) -> Structure:
@@ -211,6 +113,9 @@ class Structure(Frozen):
 
         for name, member in self.members.items():
             known(f"members.{name}.section", member.section, self.sections, "section")
+            if member.section_last is not None:
+                known(f"members.{name}.section_last", member.section_last, self.sections, "section")
+                self._check_taper(name, member)
             for joint in member.joints:
                 known(f"members.{name}.joints", joint, self.joints, "joint")
             if member.flooded and self.flooding is None:
@@ -219,22 +124,41 @@ class Structure(Frozen):
                 )
         for field, names in (
             ("supports", self.supports),
+            ("support_springs", self.support_springs),
             ("interface.joints", self.interface.joints),
             ("point_masses", self.point_masses),
         ):
             for joint in names:
                 known(field, joint, self.joints, "joint")
-        if not self.supports:
+        for name, link in self.rigid_links.items():
+            for joint in link.joints:
+                known(f"rigid_links.{name}.joints", joint, self.joints, "joint")
+        if not self.supports and not self.support_springs:
             raise InputError(
                 "supports", {}, "must name at least one joint", "A free structure is a mechanism."
             )
+
+    def _check_taper(self, name: str, member: Member) -> None:
+        """Only the tube may change along a member, not its material."""
+        first, last = self.sections[member.section], self.sections[member.section_last or ""]
+        for key in ("youngs_modulus_pa", "shear_modulus_pa", "density_kg_m3"):
+            if getattr(first, key) != getattr(last, key):
+                raise InputError(
+                    f"members.{name}.section_last",
+                    member.section_last,
+                    f"has another {key} than {member.section}",
+                    "Divide the member where the material changes.",
+                )
 
     def _check_geometry(self) -> None:
         places = Counter(self.joints.values())
         for name, place in self.joints.items():
             if places[place] > 1:
-                raise InputError(f"joints.{name}", place, "lies on another joint", "Merge the two joints.")
-        used = {joint for member in self.members.values() for joint in member.joints}
+                other = next(n for n, p in self.joints.items() if p == place and n != name)
+                raise InputError(
+                    f"joints.{name}", place, f"lies on another joint, {other}", "Merge the two joints."
+                )
+        used = {joint for part in self._connections() for joint in part}
         for name in self.joints:
             if name not in used:
                 raise InputError(f"joints.{name}", name, "is connected to no member", "Remove or connect it.")
@@ -242,18 +166,54 @@ class Structure(Frozen):
         for name, member in self.members.items():
             pair = frozenset(member.joints)
             if len(pair) == 1:
-                raise InputError(f"members.{name}", member.joints, "starts where it ends", "Name two joints.")
+                raise InputError(
+                    f"members.{name}",
+                    member.joints,
+                    "starts where it ends: no length",
+                    "Name two joints.",
+                )
             if pair in pairs:
                 raise InputError(f"members.{name}", member.joints, "duplicates another member", "Remove one.")
             pairs.add(pair)
         repeated = [name for name, n in Counter(self.interface.joints).items() if n > 1]
         if repeated:
             raise InputError("interface.joints", repeated, "are listed twice", "List each joint once.")
-        overlap = set(self.interface.joints) & set(self.supports)
+        overlap = set(self.interface.joints) & (set(self.supports) | set(self.support_springs))
         if overlap:
             raise InputError(
                 "interface.joints", sorted(overlap), "are also supports", "Choose one of the two."
             )
+        self.rigid_groups()
+
+    def _connections(self) -> list[tuple[str, ...]]:
+        """Joints of each member and of each rigid link."""
+        members = [member.joints for member in self.members.values()]
+        return [*members, *(link.joints for link in self.rigid_links.values())]
+
+    def rigid_groups(self) -> dict[str, str]:
+        """Joint that each joint of a rigid link follows: its group's interface joint, support, or first.
+
+        Raises
+        ------
+        InputError
+            If one rigid body holds two supported joints, or a supported one and one of the interface.
+        """
+        leader: dict[str, str] = {}
+        for link in self.rigid_links.values():
+            merged = {leader.get(joint, joint) for joint in link.joints}
+            group = {j for j, of in leader.items() if of in merged} | set(link.joints)
+            tied = [joint for joint in self.interface.joints if joint in group]
+            held = [joint for joint in self.joints if joint in group and joint in self.supports]
+            if len(held) > 1 or (held and tied):
+                raise InputError(
+                    "rigid_links",
+                    [*held, *tied],
+                    "are held twice: one rigid body may have one supported joint, or be on the interface",
+                    "Support one of its joints, or use members.",
+                )
+            first = [joint for joint in self.joints if joint in group]
+            leader |= dict.fromkeys(group, [*tied, *held, *first][0])
+        return leader
 
     @property
     def content_hash(self) -> str:

@@ -14,11 +14,15 @@ from jaxtyping import Bool, Float, Int
 from scipy.sparse import block_diag, coo_array, csc_array, csr_array
 
 from owt_model.axes import rotation
-from owt_model.errors import InputError
-from owt_model.mesh import DOF_TIED, Mesh
+from owt_model.errors import ComputationError, InputError
+from owt_model.mesh import Mesh
+from owt_model.parts import StaticState
 from owt_structure_node.core.elements import shear_parameter, stiffness, tube_mass
+from owt_structure_node.core.expansion import expansion
 from owt_structure_node.core.masses import body_matrix, distributed_mass, joint_mass
-from owt_structure_node.core.supports import check_supports
+from owt_structure_node.core.modes import factorise
+from owt_structure_node.core.static import Rest, body_levers, element_geometric, follower_levers, rest
+from owt_structure_node.core.supports import check_releases, check_supports, spring_stiffness
 
 __all__ = ["DOF_NAME", "Assembly", "assemble", "element_stiffness", "element_transformation"]
 
@@ -32,8 +36,8 @@ class Assembly:
     Attributes
     ----------
     expansion : sparse [6 node, dof]
-        Motion of all nodes from the free degrees of freedom: supports stay, interface joints follow
-        the transition piece. Its transpose takes nodal loads to the free degrees of freedom.
+        Motion of all nodes from the free degrees of freedom
+        (:mod:`owt_structure_node.core.expansion`). Its transpose takes nodal loads to them.
     jacket_stiffness, jacket_mass, upper_stiffness, upper_mass : sparse [dof, dof]
         In N/m, N, N m and kg, kg m, kg m2.
     internal : int
@@ -102,9 +106,11 @@ def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0) -> Assembly:
     Raises
     ------
     InputError
-        If the supports leave a part of the structure free to move.
+        If supports or releases leave a part of the structure free to move, or if it buckles under its
+        own weight.
     """
     check_supports(mesh)
+    nodes = expansion(mesh)
     transform = element_transformation(mesh)
     tower = mesh.is_tower
     local_k = element_stiffness(mesh)
@@ -112,23 +118,62 @@ def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0) -> Assembly:
     local_m, node_mass, totals = _masses(mesh)
     element_k = transform.transpose(0, 2, 1) @ local_k @ transform
     element_m = transform.transpose(0, 2, 1) @ local_m @ transform
-    expansion = _expansion(mesh)
     jacket_body, upper_body = _bodies(mesh, node_mass)
 
     def reduce(matrix: csr_array) -> csc_array:
-        reduced = csc_array(expansion.T @ matrix @ expansion)
+        reduced = csc_array(nodes.T @ matrix @ nodes)
         return csc_array(0.5 * (reduced + reduced.T))
 
-    return Assembly(
+    members = csr_array(_scatter(mesh, element_k, ~tower) + spring_stiffness(mesh))
+    upper = _scatter(mesh, element_k, tower)
+    check_releases(mesh, nodes, reduce(csr_array(members + upper)))
+    state = mesh.structure.static_state
+    if state is not None and state.p_delta:
+        at_rest = rest(mesh, state, nodes, local_k, transform, csr_array(members + upper))
+        more = _geometric(mesh, state, at_rest, transform)
+        members, upper = csr_array(members + more[0]), csr_array(upper + more[1])
+    assembly = Assembly(
         mesh=mesh,
-        expansion=expansion,
-        jacket_stiffness=reduce(_scatter(mesh, element_k, ~tower)),
+        expansion=nodes,
+        jacket_stiffness=reduce(members),
         jacket_mass=reduce(csr_array(_scatter(mesh, element_m, ~tower) + jacket_body)),
-        upper_stiffness=reduce(_scatter(mesh, element_k, tower)),
+        upper_stiffness=reduce(upper),
         upper_mass=reduce(csr_array(_scatter(mesh, element_m, tower) + upper_body)),
         internal=int(mesh.node_dof[mesh.transition_piece, 0]),
         mass_kg=totals,
     )
+    if state is not None and state.p_delta:
+        _check_stable(assembly, state)
+    return assembly
+
+
+def _geometric(
+    mesh: Mesh, state: StaticState, at_rest: Rest, transform: Float[np.ndarray, "element 12 12"]
+) -> tuple[csr_array, csr_array]:
+    """Geometric stiffness over all nodes, of the jacket and of what stands on it."""
+    local = element_geometric(mesh, at_rest.axial)
+    matrices = transform.transpose(0, 2, 1) @ local @ transform
+    lever = body_levers(mesh, state)
+    upper = np.zeros(mesh.n_nodes, dtype=bool)
+    upper[[mesh.transition_piece, *mesh.tower_node]] = True
+    on_jacket = follower_levers(mesh, at_rest) + np.where(upper[:, None, None], 0.0, lever)
+    above = np.where(upper[:, None, None], lever, 0.0)
+    return (
+        csr_array(_scatter(mesh, matrices, ~mesh.is_tower) + csr_array(block_diag(list(on_jacket)))),
+        csr_array(_scatter(mesh, matrices, mesh.is_tower) + csr_array(block_diag(list(above)))),
+    )
+
+
+def _check_stable(assembly: Assembly, state: StaticState) -> None:
+    try:
+        factorise(assembly.stiffness)
+    except ComputationError:
+        raise InputError(
+            "static_state.gravity_m_s2",
+            state.gravity_m_s2,
+            f"is more than {assembly.mesh.structure.name} carries: it buckles under its own weight",
+            "Check masses and sections, or leave p_delta out.",
+        ) from None
 
 
 def _masses(
@@ -137,9 +182,10 @@ def _masses(
     """Element masses in element axes, point masses at nodes in kg, and totals by kind."""
     structure, length, tower = mesh.structure, mesh.element_length, mesh.is_tower
     wall = (length, mesh.element_diameter, mesh.element_thickness, mesh.element_density)
-    steel = tube_mass(*wall, rotary_inertia=False)
+    lumped = structure.mass == "lumped"
+    steel = tube_mass(*wall, rotary_inertia=False, lumped=lumped)
     if structure.rotary_inertia:
-        steel[~tower] = tube_mass(*wall, rotary_inertia=True)[~tower]
+        steel[~tower] = tube_mass(*wall, rotary_inertia=True, lumped=lumped)[~tower]
     extra = distributed_mass(mesh) if structure.extra_mass == "distributed" else joint_mass(mesh)
     each = steel[:, 0, 0] + steel[:, 6, 6] + 2.0 * steel[:, 0, 6]
     totals = {
@@ -179,26 +225,3 @@ def _scatter(
     columns = np.tile(dof, (1, 12)).reshape(-1)
     size = 6 * mesh.n_nodes
     return csr_array(coo_array((matrices[chosen].reshape(-1), (rows, columns)), shape=(size, size)))
-
-
-def _expansion(mesh: Mesh) -> csr_array:
-    """Motion of all nodes from the free degrees of freedom."""
-    node, direction = np.nonzero(mesh.node_dof >= 0)
-    rows, columns = [6 * node + direction], [mesh.node_dof[node, direction]]
-    values = [np.ones(len(node))]
-    reference = mesh.node_position[mesh.transition_piece]
-    boundary = mesh.node_dof[mesh.transition_piece]
-    for joint in mesh.interface_node:
-        if not (mesh.node_dof[joint] == DOF_TIED).all():
-            raise InputError(
-                "interface.joints", mesh.node_name[joint], "must be tied fully", "Check the mesh."
-            )
-        x, y, z = mesh.node_position[joint] - reference
-        rigid = np.eye(6)
-        rigid[:3, 3:] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
-        i, j = np.nonzero(rigid)
-        rows.append(6 * joint + i)
-        columns.append(boundary[j])
-        values.append(rigid[i, j])
-    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return csr_array(coo_array(entries, shape=(6 * mesh.n_nodes, mesh.n_dof)))

@@ -1,10 +1,14 @@
-"""Two-node beam element in its own axes: stiffness, consistent mass, and mass over a part of its length.
+"""Two-node beam element in its own axes: stiffness, mass of the wall, and mass over a part of its length.
 
 Degrees of freedom: ux, uy, uz, rx, ry, rz of the first node, then of the second; x along the element
 (:mod:`owt_model.axes`), rotations right-handed, so that ry = -dw/dx and rz = +dv/dx.
 
 Stiffness is Euler-Bernoulli's or Timoshenko's; the mass is Euler-Bernoulli's consistent mass in both
 cases, as in OpenFAST's SubDyn: no shear in the mass, rotary inertia on request, torsion with rho J.
+
+The lumped mass has no terms off the diagonal: the mass goes to the nodes as a lever has it, halves where it
+is uniform, with the rotary terms of the scaled diagonal of the consistent matrix (Hinton, Rock and
+Zienkiewicz 1976), L^2/39 of each node's mass; rho J L/2 in torsion, rho I L/2 in bending on request.
 """
 
 from __future__ import annotations
@@ -14,7 +18,15 @@ from jaxtyping import Float, Int
 
 from owt_model.section import area, bending_inertia, polar_inertia
 
-__all__ = ["partial_mass", "shear_coefficient", "shear_parameter", "stiffness", "tube_mass"]
+__all__ = [
+    "lumped_mass",
+    "partial_mass",
+    "shear_coefficient",
+    "shear_parameter",
+    "slope_matrix",
+    "stiffness",
+    "tube_mass",
+]
 
 Array = Float[np.ndarray, " element"]
 Matrices = Float[np.ndarray, "element 12 12"]
@@ -98,9 +110,15 @@ def stiffness(
 
 
 def tube_mass(
-    length: Array, diameter: Array, thickness: Array, density: Array, *, rotary_inertia: bool
+    length: Array,
+    diameter: Array,
+    thickness: Array,
+    density: Array,
+    *,
+    rotary_inertia: bool,
+    lumped: bool = False,
 ) -> Matrices:
-    """Consistent mass matrices of the wall, in element axes [element, 12, 12], in kg, kg m, kg m2.
+    """Mass matrices of the wall, in element axes [element, 12, 12], in kg, kg m, kg m2.
 
     Parameters
     ----------
@@ -110,18 +128,37 @@ def tube_mass(
         In kg/m3.
     rotary_inertia : bool
         Whether the cross-sections resist rotation in bending (Rayleigh's term).
+    lumped : bool
+        Lumped instead of consistent.
     """
     line = density * area(diameter, thickness)
+    if lumped:
+        result = lumped_mass(length, np.zeros_like(length), np.ones_like(length), line, line)
+        result[:, [3, 9], [3, 9]] += (0.5 * density * polar_inertia(diameter, thickness) * length)[:, None]
+        if rotary_inertia:
+            bending = (0.5 * density * bending_inertia(diameter, thickness) * length)[:, None]
+            result[:, [4, 5, 10, 11], [4, 5, 10, 11]] += bending
+        return result
     result = partial_mass(length, np.zeros_like(length), np.ones_like(length), line, line)
     torsion = density * polar_inertia(diameter, thickness) * length / 6.0
     _add_bar(result, 3, torsion * np.array([[2.0], [1.0]]))
     if rotary_inertia:
-        ell, unit = length, np.ones_like(length)
-        block = _symmetric4(
-            [36.0 * unit, 3.0 * ell, -36.0 * unit, 3.0 * ell], [4.0 * ell**2, -3.0 * ell, -(ell**2)]
-        )
-        block *= (density * bending_inertia(diameter, thickness) / (30.0 * length))[:, None, None]
-        _add_planes(result, block)
+        line = density * bending_inertia(diameter, thickness)
+        result += slope_matrix(length) * line[:, None, None]
+    return result
+
+
+def slope_matrix(length: Array) -> Matrices:
+    """Integral of the product of the shape functions' slopes, both planes of bending, in element axes.
+
+    Times rho I the rotary inertia, times an axial force (tension positive) the geometric stiffness.
+    """
+    ell, unit = length, np.ones_like(length)
+    block = _symmetric4(
+        [36.0 * unit, 3.0 * ell, -36.0 * unit, 3.0 * ell], [4.0 * ell**2, -3.0 * ell, -(ell**2)]
+    )
+    result = np.zeros((len(length), 12, 12))
+    _add_planes(result, block / (30.0 * ell)[:, None, None])
     return result
 
 
@@ -165,6 +202,20 @@ def partial_mass(length: Array, begin: Array, end: Array, transverse: Array, axi
     result[:, 6, 6] += along[:, 1, 1]
     result[:, 0, 6] += along[:, 0, 1]
     result[:, 6, 0] += along[:, 1, 0]
+    return result
+
+
+def lumped_mass(length: Array, begin: Array, end: Array, transverse: Array, axial: Array) -> Matrices:
+    """Lumped mass of a line mass that covers a part of each element: arguments as of :func:`partial_mass`."""
+    covered = length * (end - begin)
+    second = 0.5 * (begin + end)
+    result = np.zeros((len(length), 12, 12))
+    for first, share in ((0, 1.0 - second), (6, second)):
+        result[:, first, first] = axial * covered * share
+        for dof in (1, 2):
+            result[:, first + dof, first + dof] = transverse * covered * share
+        for dof in (4, 5):
+            result[:, first + dof, first + dof] = transverse * covered * share * length**2 / 39.0
     return result
 
 

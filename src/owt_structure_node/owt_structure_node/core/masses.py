@@ -3,8 +3,8 @@
 Two ways to carry growth, water and added mass (``structure.extra_mass``):
 
 ``distributed``
-    Consistent masses over the part of each element that lies in the zone. Growth and water move with
-    the member in all directions, added mass across its axis only.
+    Masses over the part of each element that lies in the zone, consistent or lumped as the steel is.
+    Growth and water move with the member in all directions, added mass across its axis only.
 ``joints``
     The thesis' way: each member's extra mass, its zones decided by its midpoint, goes in halves to its
     two end joints as point masses that are equal in all directions.
@@ -12,6 +12,7 @@ Two ways to carry growth, water and added mass (``structure.extra_mass``):
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,9 +20,9 @@ from jaxtyping import Float
 
 from owt_model.mesh import Mesh
 from owt_model.structure import PointMass
-from owt_structure_node.core.elements import partial_mass
+from owt_structure_node.core.elements import lumped_mass, partial_mass
 
-__all__ = ["ExtraMass", "body_matrix", "distributed_mass", "joint_mass"]
+__all__ = ["ExtraMass", "body_matrix", "distributed_mass", "joint_mass", "weight_matrices"]
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class ExtraMass:
     Attributes
     ----------
     element : float array [element, 12, 12]
-        Consistent masses in kg, kg m, kg m2.
+        Masses in kg, kg m, kg m2.
     node : float array [node]
         Point masses in kg.
     total_kg : dict
@@ -63,42 +64,57 @@ def body_matrix(body: PointMass) -> Float[np.ndarray, "6 6"]:
 def distributed_mass(mesh: Mesh) -> ExtraMass:
     """Growth, flood water and added mass along the members."""
     structure = mesh.structure
-    z = mesh.node_position[mesh.element_node, 2]
-    length = mesh.element_length
-    member = ~mesh.is_tower
-    diameter, thickness = mesh.element_diameter, mesh.element_thickness
+    z, length = mesh.node_position[mesh.element_node, 2], mesh.element_length
+    line_mass = lumped_mass if structure.mass == "lumped" else partial_mass
+    coefficient = structure.added_mass.coefficient if structure.added_mass is not None else 0.0
     matrices = np.zeros((mesh.n_elements, 12, 12))
     total = {"marine_growth": 0.0, "flood_water": 0.0, "added_mass": 0.0}
-
-    def add(
-        kind: str,
-        zone: tuple[float, float],
-        line: Float[np.ndarray, " element"],
-        *,
-        axial: bool = True,
-    ) -> None:
+    for kind, zone, line in _lines(mesh):
         begin, end = _covered(z, *zone)
-        line = np.where(member, line, 0.0)
-        matrices[...] += partial_mass(length, begin, end, line, line if axial else np.zeros_like(line))
+        if kind == "displaced":
+            kind, line, axial = "added_mass", coefficient * line, np.zeros_like(line)
+        else:
+            axial = line
+        matrices += line_mass(length, begin, end, line, axial)
         total[kind] += float(np.sum(line * (end - begin) * length))
+    return ExtraMass(matrices, np.zeros(mesh.n_nodes), total)
 
+
+def weight_matrices(mesh: Mesh, *, buoyancy: bool) -> Float[np.ndarray, "element 12 12"]:
+    """Consistent matrices in element axes of what weighs along the members: growth and flood water.
+
+    With `buoyancy`, less the displaced water, so that a fall of all nodes gives the submerged weight.
+    """
+    z, length = mesh.node_position[mesh.element_node, 2], mesh.element_length
+    matrices = np.zeros((mesh.n_elements, 12, 12))
+    for kind, zone, line in _lines(mesh):
+        if kind != "displaced":
+            matrices += partial_mass(length, *_covered(z, *zone), line, line)
+        elif buoyancy:
+            matrices -= partial_mass(length, *_covered(z, *zone), line, line)
+    return matrices
+
+
+def _lines(mesh: Mesh) -> Iterator[tuple[str, tuple[float, float], Float[np.ndarray, " element"]]]:
+    """Kind, levels and mass per length in kg/m of growth, flood water and displaced water."""
+    structure, member = mesh.structure, ~mesh.is_tower
+    diameter, thickness = mesh.element_diameter, mesh.element_thickness
     growth, flood, added = structure.marine_growth, structure.flooding, structure.added_mass
+    ring = np.zeros(mesh.n_elements)
     if growth is not None:
-        ring = np.pi / 4.0 * ((diameter + 2.0 * growth.thickness_m) ** 2 - diameter**2)
-        add("marine_growth", (growth.z_bottom_m, growth.z_top_m), growth.density_kg_m3 * ring)
+        ring = np.where(member, np.pi / 4.0 * ((diameter + 2.0 * growth.thickness_m) ** 2 - diameter**2), 0.0)
+        yield "marine_growth", (growth.z_bottom_m, growth.z_top_m), growth.density_kg_m3 * ring
     if flood is not None:
         inside = np.pi / 4.0 * (diameter - 2.0 * thickness) ** 2
         flooded = np.where(member, mesh.member_flooded[mesh.element_member], False)
-        add("flood_water", (-np.inf, flood.free_surface_z_m), flood.density_kg_m3 * inside * flooded)
+        yield "flood_water", (-np.inf, flood.free_surface_z_m), flood.density_kg_m3 * inside * flooded
     if added is not None:
-        factor = added.coefficient * added.density_kg_m3 * np.pi / 4.0
         surface = added.free_surface_z_m
-        add("added_mass", (-np.inf, surface), factor * diameter**2, axial=False)
+        whole = np.where(member, added.density_kg_m3 * np.pi / 4.0 * diameter**2, 0.0)
+        yield "displaced", (-np.inf, surface), whole
         if growth is not None:  # where growth covers the member it displaces more water
-            more = factor * ((diameter + 2.0 * growth.thickness_m) ** 2 - diameter**2)
             zone = (min(growth.z_bottom_m, surface), min(growth.z_top_m, surface))
-            add("added_mass", zone, more, axial=False)
-    return ExtraMass(matrices, np.zeros(mesh.n_nodes), total)
+            yield "displaced", zone, added.density_kg_m3 * ring
 
 
 def joint_mass(mesh: Mesh) -> ExtraMass:
@@ -106,8 +122,9 @@ def joint_mass(mesh: Mesh) -> ExtraMass:
     structure = mesh.structure
     ends = mesh.node_position[mesh.member_node]
     z, length = ends[:, :, 2].mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    first = mesh.member_element[:, 0]
-    diameter, thickness = mesh.element_diameter[first], mesh.element_thickness[first]
+    diameter, thickness = (
+        _of_members(mesh, array) for array in (mesh.element_diameter, mesh.element_thickness)
+    )
     mass = {kind: np.zeros(mesh.n_members) for kind in ("marine_growth", "flood_water", "added_mass")}
     growth, flood, added = structure.marine_growth, structure.flooding, structure.added_mass
     outer = diameter.copy()
@@ -128,6 +145,11 @@ def joint_mass(mesh: Mesh) -> ExtraMass:
             np.add.at(node, mesh.member_node[:, side], 0.5 * of_member)
     total = {kind: float(of_member.sum()) for kind, of_member in mass.items()}
     return ExtraMass(np.zeros((mesh.n_elements, 12, 12)), node, total)
+
+
+def _of_members(mesh: Mesh, array: Float[np.ndarray, " element"]) -> Float[np.ndarray, " member"]:
+    """Value at the middle of each member, whose elements vary linearly."""
+    return np.asarray(array[mesh.member_element].mean(axis=1))
 
 
 def _covered(

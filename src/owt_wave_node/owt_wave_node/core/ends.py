@@ -23,7 +23,10 @@ __all__ = ["end_loads", "free_ends"]
 def free_ends(mesh: Mesh) -> list[tuple[int, int]]:
     """Member and side (0 first, 1 last) of every free end."""
     joints = {name: i for i, name in enumerate(mesh.node_name)}
-    held = {joints[name] for name in mesh.structure.supports} | set(mesh.interface_node.tolist())
+    structure = mesh.structure
+    linked = [joint for link in structure.rigid_links.values() for joint in link.joints]
+    held = {joints[name] for name in (*structure.supports, *structure.support_springs, *linked)}
+    held |= set(mesh.interface_node.tolist())
     count = np.bincount(mesh.member_node.reshape(-1), minlength=mesh.n_nodes)
     return [
         (m, side)

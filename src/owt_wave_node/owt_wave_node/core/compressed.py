@@ -45,7 +45,7 @@ class CompressedField:
         """Coefficients [bin, node] of "velocity" or "surface" on this window's grid, both orders."""
         if part not in self._kept or self._kept[part][0] != stretch:
             tables = getattr(self._sea.pairs(stretch), part)
-            self._kept[part] = (stretch, [self._on_window(table) for table in tables])
+            self._kept[part] = (stretch, map_threads(self._on_window, tables))
         return self._kept[part][1]
 
     def _on_window(self, table: Table) -> Complex[np.ndarray, "bin node"]:
@@ -56,8 +56,17 @@ class CompressedField:
         if window is not sea.record:
             re, im = (np.zeros((window.n_bins, sea.wavenumber.size)) for _ in range(2))
             time = window.middle - sea.record.middle
+            used = int(np.flatnonzero(table.any(axis=1)).max(initial=-1)) + 1  # half of them at first order
             _kernel.spread_rows(
-                sea.omega, table, time, spacing, window.bottom, sea.bell.width, sea.bell.shape, re, im
+                sea.omega[:used],
+                table[:used],
+                time,
+                spacing,
+                window.bottom,
+                sea.bell.width,
+                sea.bell.shape,
+                re,
+                im,
             )
             table = re + 1j * im
         # The phases of a bell count from the middle of the window.

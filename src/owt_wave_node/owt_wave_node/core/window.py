@@ -29,6 +29,8 @@ __all__ = ["FINE", "QUICK", "Bell", "SlicedField", "Window", "Windowed", "spread
 SLICE_BYTES = 16 * 2**20
 #: Points of the quadrature of a bell's transform.
 QUADRATURE = 256
+#: Points whose samples are divided by the window while they are in the cache.
+TOGETHER = 4
 #: Samples whose quadrature is done together.
 BLOCK = 2048
 
@@ -143,25 +145,35 @@ class Window:
 
         `spectra` are folded.
         """
-        grid, count = self.grid, spectra.shape[1]
-        channels = 2 * count if derive else count
-        plan = plan_transform(grid.length, spectra.shape[2])
-        if plan is not None and channels % 2 == 0:
-            series = plan.to_time(spectra, index, channels=channels, spacing=grid.spacing)
-        else:
-            half = 0.5 * spectra[index]
-            half[..., 0] = 2.0 * half[..., 0].real
-            if derive:
-                rate = 1j * grid.spacing * np.arange(half.shape[2])
-                half = np.concatenate([half, rate * half], axis=1)
-            series = np.fft.irfft(half, grid.length, axis=-1, norm="forward")
+        channels = spectra.shape[1] * (2 if derive else 1)
         if self.divide is None or self.rate is None:
-            if grid.length == grid.n:
+            series = self._transform(spectra, index, channels)
+            if self.grid.length == self.count:
                 return series
-            return np.ascontiguousarray(series[..., : grid.n * grid.oversampling : grid.oversampling])
-        out = np.empty((index.size, channels, grid.n))
-        _kernel.finish(series, grid.oversampling, self.divide, self.rate, channels - count, out)
+            every = self.grid.oversampling
+            return np.ascontiguousarray(series[..., : self.count * every : every])
+        out = np.empty((index.size, channels, self.count))
+        for i in range(0, index.size, TOGETHER):
+            series = self._transform(spectra, index[i : i + TOGETHER], channels)
+            derived = channels - spectra.shape[1]
+            _kernel.finish(
+                series, self.grid.oversampling, self.divide, self.rate, derived, out[i : i + TOGETHER]
+            )
         return out
+
+    def _transform(
+        self, spectra: Complex[np.ndarray, "point c bin"], index: Int[np.ndarray, " some"], channels: int
+    ) -> Float[np.ndarray, "some channel sample"]:
+        """Signals over the whole length of the grid, and the derivatives of its own."""
+        length, spacing = self.grid.length, self.grid.spacing
+        plan = plan_transform(length, spectra.shape[2])
+        if plan is not None and channels % 2 == 0:
+            return plan.to_time(spectra, index, channels=channels, spacing=spacing)
+        half = 0.5 * spectra[index]
+        half[..., 0] = 2.0 * half[..., 0].real
+        if channels > spectra.shape[1]:
+            half = np.concatenate([half, 1j * spacing * np.arange(half.shape[2]) * half], axis=1)
+        return np.fft.irfft(half, length, axis=-1, norm="forward")
 
 
 @lru_cache(maxsize=2)

@@ -57,6 +57,23 @@ def test_every_message_equals_the_run_in_one_process(
     assert not bag.with_name(".bag.partial").exists()
 
 
+def test_drag_damping_reaches_the_structure(domain: int, bag: Path) -> None:
+    """The damping travels with the load basis: same numbers as in one process, and not those without it."""
+    case = short_case(morison={"hydrodynamic_damping": True})
+    run = prepare_case(case)
+    expected = expected_messages(run, list(stream_case(run)))
+    with LocalGraph(domain, case, bag) as graph:
+        heard = graph.listen()
+        graph.start()
+        graph.spin_until(graph.is_done)
+        graph.spin_for(0.3)
+    for label, messages in expected.items():
+        for one, two in zip(messages, heard[label], strict=True):
+            assert_messages_equal(label, one, two)
+    plain = prepare_case(short_case()).response.description.damping_ratio
+    assert (run.response.description.damping_ratio > plain).all()
+
+
 def test_the_comparison_would_notice_one_wrong_bit(reference: tuple[CaseRun, list[CaseBlocks]]) -> None:
     block = reference[1][1].stress
     wrong = dataclasses.replace(block, axial=np.nextafter(block.axial, np.inf))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,7 +39,7 @@ def run(options: argparse.Namespace) -> int:
     from owt_wave_node.core.sea import build_sea_state
 
     sea = build_sea_state(case)
-    windows = prepare_loads(case, mesh, sea, make_field(case, sea))
+    windows = replace(prepare_loads(case, mesh, sea, make_field(case, sea)), keep_ends=False)
     with npz_file(options.output) as file:
         _write(file, windows)
     if windows.error_estimate > 0.0:

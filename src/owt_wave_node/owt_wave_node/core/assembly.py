@@ -30,7 +30,7 @@ from owt_wave_node.kernels.surface import surface_loads
 __all__ = ["LoadHistory", "Sections", "assemble"]
 
 #: Bytes of kinematics per thread, and of coefficients, held at a time.
-MOTION_BYTES, PREPARED_BYTES = 16 * 2**20, 128 * 2**20
+MOTION_BYTES, PREPARED_BYTES = 4 * 2**20, 32 * 2**20
 #: Coordinates in m that agree to this count as one point.
 SAME_POINT = 1e-9
 
@@ -115,7 +115,14 @@ class _Batch:
 
 
 def assemble(
-    case: CaseConfig, hydro: HydroMesh, frame: Frame, field: Field, *, lowest: float, highest: float
+    case: CaseConfig,
+    hydro: HydroMesh,
+    frame: Frame,
+    field: Field,
+    *,
+    lowest: float,
+    highest: float,
+    keep_ends: bool = True,
 ) -> LoadHistory:
     """Compute the loads on all members.
 
@@ -131,20 +138,22 @@ def assemble(
         The waves.
     lowest, highest : float
         Levels in m: the surface neither falls below the one nor rises above the other at the jacket.
+    keep_ends : bool
+        Whether the loads of the elements at member ends are wanted; if not, they are held for one batch of
+        members at a time, and the result has none.
 
     Raises
     ------
     ComputationError
         If a load is not finite.
     """
-    assembly = _Assembly(case, hydro, frame, field, lowest, highest)
+    assembly = _Assembly(case, hydro, frame, field, lowest, highest, keep_ends)
     for members in assembly.batches():
         assembly.run(members)
-    assembly.add_joints()
     for node, force in end_loads(case, hydro, frame, field, highest=highest).items():
         assembly.nodal[assembly.node_row[node], :3] += force
-    history = LoadHistory(hydro, hydro.node, assembly.nodal, assembly.fixed, assembly.end_rows)
-    return history
+    kept = assembly.fixed.size if keep_ends else 0
+    return LoadHistory(hydro, hydro.node, assembly.nodal, assembly.fixed[:kept], assembly.end_rows[:kept])
 
 
 class _Assembly:
@@ -156,6 +165,7 @@ class _Assembly:
         field: Field,
         lowest: float,
         highest: float,
+        keep_ends: bool,
     ) -> None:
         refuse_impossible(case)
         self.case, self.hydro, self.field, self.n = case, hydro, field, field.n
@@ -166,11 +176,13 @@ class _Assembly:
         mesh = hydro.mesh
         self.node_row = np.full(mesh.n_nodes, -1, dtype=np.int64)
         self.node_row[hydro.node] = np.arange(hydro.node.size)
-        self.fixed = np.intersect1d(mesh.end_element, hydro.element)
+        self.keep_ends = keep_ends
+        self.fixed = np.zeros(0, dtype=np.int64)
         self.fixed_row = np.full(mesh.n_elements, -1, dtype=np.int64)
-        self.fixed_row[self.fixed] = np.arange(self.fixed.size)
         self.nodal = np.zeros((hydro.node.size, 6, self.n))
-        self.end_rows = np.zeros((self.fixed.size, self.n_rows, self.n))
+        self.end_rows = np.zeros((0, self.n_rows, self.n))
+        if keep_ends:
+            self._hold(hydro.element)
         # Stations of the same place share their kinematics; in plane waves so do those abreast.
         place = frame.place(hydro.station)
         if field.n_axes == 2:
@@ -178,6 +190,16 @@ class _Assembly:
         key = np.round(place / SAME_POINT).astype(np.int64)
         _, first, self.point = np.unique(key, axis=0, return_index=True, return_inverse=True)
         self.place = place[first]
+
+    def _hold(self, elements: Int[np.ndarray, " some"]) -> None:
+        """Make room for the rows of the elements at member ends among some, in place of what was held."""
+        self.fixed = np.intersect1d(self.hydro.mesh.end_element, elements)
+        self.fixed_row[:] = -1
+        self.fixed_row[self.fixed] = np.arange(self.fixed.size)
+        if len(self.end_rows) < self.fixed.size:
+            self.end_rows = np.zeros((self.fixed.size, self.n_rows, self.n))
+        else:
+            self.end_rows[: self.fixed.size] = 0.0
 
     def batches(self) -> list[list[tuple[Run, ...]]]:
         """Groups of members, as the runs that water can reach, whose coefficients fit into memory."""
@@ -208,6 +230,11 @@ class _Assembly:
         """Prepare the kinematics of some members' stations, then load the members, in threads."""
         if not members:
             return
+        elements = self.hydro.element[
+            np.unique([e for runs in members for run in runs for e in run.elements])
+        ]
+        if not self.keep_ends:
+            self._hold(elements)
         stations = [np.arange(runs[0].stations.start, runs[-1].stations.stop) for runs in members]
         used, where = np.unique(self.point[np.concatenate(stations)], return_inverse=True)
         points = np.split(where, np.cumsum([len(part) for part in stations])[:-1])
@@ -228,6 +255,7 @@ class _Assembly:
         # Long members first keeps the threads busy to the end.
         tasks = sorted(zip(members, points, strict=True), key=lambda task: -len(task[1]))
         map_threads(lambda task: self._member(task[0], task[1], batch), tasks)
+        self._add_joints(np.intersect1d(self.fixed, elements))
 
     def _pieces(self, runs: tuple[Run, ...]) -> Iterator[list[Run]]:
         """Runs in groups whose kinematics fit into memory together; long runs are cut."""
@@ -314,11 +342,11 @@ class _Assembly:
         for side in np.flatnonzero(~outer):
             _kernel.add_to_node(rows, int(side), axes, self.nodal[node[side]])
 
-    def add_joints(self) -> None:
-        """Add the member ends to the joints, in the order of the members."""
+    def _add_joints(self, elements: Int[np.ndarray, " some"]) -> None:
+        """Add elements at member ends to the joints, in their order."""
         place = {int(e): i for i, e in enumerate(self.hydro.element)}
         ends: dict[int, list[tuple[int, int]]] = {}
-        for e in self.fixed.tolist():
+        for e in elements.tolist():
             outer, node = self._ends(e)
             for side in np.flatnonzero(outer).tolist():
                 ends.setdefault(int(node[side]), []).append((e, side))

@@ -99,6 +99,8 @@ class LoadWindows:
         Levels in m: over the whole record the surface neither falls below nor rises above them.
     length : int
         Samples per window; the last one can be shorter.
+    keep_ends : bool
+        Whether the windows hold the loads of the elements at member ends.
     """
 
     case: CaseConfig
@@ -108,6 +110,7 @@ class LoadWindows:
     lowest: float
     highest: float
     length: int
+    keep_ends: bool = True
 
     @property
     def error_estimate(self) -> float:
@@ -132,7 +135,10 @@ class LoadWindows:
         """
         rows = self.rows(i)
         part = window_of(self.field, rows.start, rows.stop - rows.start)
-        return assemble(self.case, self.hydro, self.frame, part, lowest=self.lowest, highest=self.highest)
+        return assemble(
+            self.case, self.hydro, self.frame, part,
+            lowest=self.lowest, highest=self.highest, keep_ends=self.keep_ends,
+        )  # fmt: skip
 
     def __iter__(self) -> Iterator[LoadHistory]:
         """All windows in order."""

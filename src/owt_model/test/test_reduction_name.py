@@ -32,7 +32,21 @@ def test_parts(name: str, expected: ReductionName) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["", "CB", "M", "CB1", "10M10", "M10CB10", "CB10M10x", "FULL", "SIM", "M10YjY", "M10YY", "CB10M10j12", "AUTO"],
+    [
+        "",
+        "CB",
+        "M",
+        "CB1",
+        "10M10",
+        "M10CB10",
+        "CB10M10x",
+        "FULL",
+        "SIM",
+        "M10YjY",
+        "M10YY",
+        "CB10M10j12",
+        "AUTO",
+    ],
 )
 def test_anything_else_is_refused(name: str) -> None:
     with pytest.raises(InputError, match="must be full, CBnn"):

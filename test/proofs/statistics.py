@@ -157,8 +157,10 @@ def measured(variant: dict[str, float]) -> float:
     )  # fmt: skip
     A = found.amplitude * np.exp(-1j * found.phase)
     exact = sea["a"] * np.exp(-1j * sea["phi"])
-    size = max(A.size, exact.size)
-    return relative(np.pad(A, (0, size - A.size)), np.pad(exact, (0, size - exact.size)))
+    both = np.zeros((2, 400), dtype=complex)
+    for row, omega, values in ((0, found.omega, A), (1, sea["omega"], exact)):
+        both[row, np.rint(omega * 600.0 / (2.0 * math.pi)).astype(int)] = values
+    return relative(*both)
 
 
 def table() -> TabulatedSpectrum:

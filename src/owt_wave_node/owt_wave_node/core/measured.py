@@ -4,14 +4,16 @@ The record holds every order. Its first order is sought such that first plus sec
 the record: eta1 = B[record - eta2(eta1)], B the projection on the components 2 pi m / (n dt) of the band.
 Plain iteration of this equation converges slowly in steep seas, and diverges where the shortest waves are
 steeper than about one over the height of the longest; Anderson's mixing of the latest iterates (1965,
-J. ACM 12, 547-560) converges there as well, at the same cost per iteration.
+J. ACM 12, 547-560) converges there as well, at the same cost per iteration. What the record holds far below
+its mean frequency is second order nearly all: taken as first order at the start, waves that long would have
+a second order larger than themselves, so the iteration starts without them, and the longest are left out.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
@@ -26,6 +28,11 @@ __all__ = ["Band", "MeasuredSea", "components_of_record"]
 Spectrum = Complex[np.ndarray, " component"]
 Series = Float[np.ndarray, " time"]
 
+#: Share of the mean frequency below which the iteration starts from nothing.
+LONG = 0.5
+#: Wave number times depth below which a component is left out: its own second order, 3 a^2 / (4 k^2 d^3),
+#: would exceed it at millimetres of amplitude.
+SHALLOWEST = 0.05
 #: Former iterates that a new one is mixed from.
 MEMORY = 10
 #: Change over the largest component from which nothing comes back.
@@ -39,7 +46,7 @@ class Band:
     Attributes
     ----------
     cutin, cutoff : float
-        Lowest and highest component in rad/s.
+        Lowest and highest component in rad/s; waves with k d below 0.05 are left out in any case.
     tolerance : float
         Change of a component, over the largest one, that ends iteration.
     """
@@ -114,7 +121,9 @@ def components_of_record(
         raise InputError(
             "measured.path", std, "is the standard deviation in m: no waves", "Check the record."
         )
-    bins = _bins(record.size, dt, band)
+    # tanh kd = kd to 0.1 % there
+    longest = SHALLOWEST * math.sqrt(gravity / depth)
+    bins = _bins(record.size, dt, replace(band, cutin=max(band.cutin, longest)))
     omega = bins * (2.0 * math.pi / (record.size * dt))
     k = wavenumber(omega, water_depth=depth, gravity=gravity)
 
@@ -184,7 +193,8 @@ def _solve(
 ) -> tuple[Spectrum, int]:
     """Solve A = B[record - eta2(A)]; return the complex amplitudes at the gauge and the iterations used."""
     target = _project(record, bins)
-    A = target
+    energy = np.abs(target) ** 2
+    A = target * (bins * energy.sum() > LONG * float(bins @ energy))
     points: list[Spectrum] = []
     steps: list[Spectrum] = []
     change = math.inf
@@ -199,8 +209,8 @@ def _solve(
         A = _mix(points, steps)
     raise ComputationError(
         f"first order of the measured record not found: after {band.max_iterations} iterations a component "
-        f"changes by {change:.1e} of the largest one, above {band.tolerance:g}. Lower measured.cutoff_rad_s: "
-        "the second order of waves this steep and short does not converge"
+        f"changes by {change:.1e} of the largest one, above {band.tolerance:g}. Lower measured.cutoff_rad_s "
+        "or raise measured.cutin_rad_s: the second order of very steep or very long waves does not converge"
     )
 
 

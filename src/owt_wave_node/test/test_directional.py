@@ -17,6 +17,7 @@ from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Frame, build_sea_state, waves
 from owt_wave_node.core.wheeler import WheelerField
 from owt_wave_node.core.window import Windowed
+from owt_wave_node.kernels import directional as kernel
 from proofs.directional import ANGLE, MULTIPLE, PLACE, BothSums, crossing, off_grid
 
 POINTS = [[3.0, -7.0, -2.0], [-8.0, 4.0, -27.0], [0.0, 0.0, 2.5], [2.0, 2.0, -50.0]]
@@ -241,3 +242,10 @@ def test_range_of_the_surface_covers_the_area() -> None:
     assert eta.max() < SAFETY * high + MARGIN
     middle = np.add(*field.elevation(np.column_stack([np.linspace(-12.0, 12.0, 30), np.zeros((30, 2))])))
     assert eta.max() > SAFETY * middle.max() + MARGIN  # the wrong variant: the heading only
+
+
+def test_exponential_of_a_row() -> None:
+    x = np.concatenate([np.linspace(-700.0, 300.0, 20001), [0.0, -1e-300, -1e-9]])
+    out = np.empty_like(x)
+    kernel._exponential(x, np.empty_like(x), np.empty(x.size, dtype=np.int64), out)
+    assert np.abs(out / np.exp(x) - 1.0).max() < 1e-15  # a few units in the last place

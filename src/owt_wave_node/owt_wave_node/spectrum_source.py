@@ -1,8 +1,9 @@
 """Spectra of the wavespectra library, from its files or in memory, as components.
 
 The library's convention is that of metocean tables: directions waves come from, in degrees clockwise from
-north, and a density in m2/(Hz degree). Where attributes say otherwise (radian, rad/s, "to" directions) they
-are followed. x points north and y west (docs/conventions.md): waves travel to b = (180 - direction) mod 360.
+north, frequencies in Hz and a density in m2/(Hz degree). A unit of radian in the attributes is followed;
+other attributes of an object are not, since readers of the library leave those of the file on what they
+convert. x points north and y west (docs/conventions.md): waves travel to b = (180 - direction) mod 360.
 """
 
 from __future__ import annotations
@@ -125,9 +126,9 @@ def read_spectrum(options: SpectrumFile) -> TabulatedSpectrum:
         raise InputError("spectrum_file.path", options.path, "does not exist", "Give the path of a file.")
     try:
         found = getattr(wavespectra, f"read_{options.reader}")(options.path)
-        units = _units_in_file(options.path) if options.reader == "netcdf" else {}
+        unit = _unit_in_file(options.path) if options.reader == "netcdf" else None
         # Data are read late: a damaged file fails here, not later.
-        return tabulate(found, index=options.index, direction_deg=options.direction_deg, units=units)
+        return tabulate(found, index=options.index, direction_deg=options.direction_deg, unit=unit)
     except InputError:
         raise
     except Exception as error:
@@ -140,12 +141,30 @@ def read_spectrum(options: SpectrumFile) -> TabulatedSpectrum:
         ) from None
 
 
-def _units_in_file(path: str) -> dict[str, str]:
-    """Unit of the density as the file has it: the library's reader puts its own in its place."""
+def _unit_in_file(path: str) -> str | None:
+    """Unit of the density as the file has it, which the reader of plain netCDF replaces without converting.
+
+    Raises
+    ------
+    InputError
+        If the file says that its directions or frequencies are not the library's: it would not convert them.
+    """
     import xarray
 
     with xarray.open_dataset(path) as raw:
-        return {"efth": str(raw["efth"].attrs.get("units", ""))} if "efth" in raw else {}
+        for name, attribute, word, convention in (
+            ("dir", "standard_name", "to_direction", "directions the waves come from"),
+            ("freq", "units", "rad", "frequencies in Hz"),
+        ):
+            said = str(raw[name].attrs.get(attribute, "")) if name in raw.coords else ""
+            if word in said:
+                raise InputError(
+                    "spectrum_file.path",
+                    said,
+                    f"is the {attribute} of {name} in the file, and this reader takes {convention}",
+                    "Set spectrum_file.reader to that of the model which wrote it, or convert the file.",
+                )
+        return str(raw["efth"].attrs.get("units", "")) if "efth" in raw else None
 
 
 def tabulate(
@@ -153,7 +172,7 @@ def tabulate(
     *,
     index: int = 0,
     direction_deg: float | None = None,
-    units: dict[str, str] | None = None,
+    unit: str | None = None,
 ) -> TabulatedSpectrum:
     """Take one spectrum out of an object of the library, in Hz and in degrees of travel.
 
@@ -161,8 +180,8 @@ def tabulate(
     ----------
     spectrum, index, direction_deg
         See :func:`from_wavespectra`.
-    units : mapping, optional
-        Unit of the density under ``efth``, where the object's own attribute is not to be trusted.
+    unit : str, optional
+        Unit of the density, where the object's own attribute is not to be trusted.
 
     Raises
     ------
@@ -171,12 +190,10 @@ def tabulate(
     """
     array = _density(spectrum)
     array = array.isel(_position(array, index))
-    density_unit = (units or {}).get("efth", str(array.attrs.get("units", ""))).lower()
+    density_unit = str(array.attrs.get("units", "") if unit is None else unit).lower()
     frequency = np.asarray(array["freq"].values, dtype=float)
     spread = "dir" in array.dims
     values = np.asarray(array.transpose("freq", *(["dir"] if spread else [])).values, dtype=float)
-    if "rad" in str(array["freq"].attrs.get("units", "")).lower():
-        frequency, values = frequency / (2.0 * math.pi), values * (2.0 * math.pi)
     _check_values(frequency, values)
     order = np.argsort(frequency)
     frequency, values = frequency[order], values[order]
@@ -258,10 +275,10 @@ def _check_values(frequency: np.ndarray, values: np.ndarray) -> None:
 def _travel(coordinate: Any) -> np.ndarray:
     """Directions of travel in degrees, measured from x (north) towards y (west)."""
     direction = np.asarray(coordinate.values, dtype=float)
-    if "rad" in str(coordinate.attrs.get("units", "")).lower():
+    # Readers that convert to degrees may leave the unit of the file: radian end at 2 pi.
+    if "rad" in str(coordinate.attrs.get("units", "")).lower() and np.abs(direction).max() < 6.3:
         direction = np.rad2deg(direction)
-    goes_to = "to_direction" in str(coordinate.attrs.get("standard_name", ""))
-    return np.asarray((-direction if goes_to else 180.0 - direction) % 360.0)
+    return np.asarray((180.0 - direction) % 360.0)
 
 
 def _by_direction(frequency: np.ndarray, direction: np.ndarray, values: np.ndarray) -> TabulatedSpectrum:

@@ -197,31 +197,49 @@ def test_radians_are_degrees(tmp_path: Path) -> None:
     )
 
 
-def test_rad_per_second_is_hz() -> None:
+def test_one_dimension_takes_the_direction_given() -> None:
     one = xr.DataArray(density(), dims="freq", coords={"freq": FREQUENCY}, name="efth")
-    angular = xr.DataArray(
-        density() / (2.0 * math.pi),
-        dims="freq",
-        coords={"freq": ("freq", 2.0 * math.pi * FREQUENCY, {"units": "rad s-1"})},
-    )
-    a, b = (from_wavespectra(s, duration_s=600.0, direction_deg=10.0) for s in (one, angular))
-    np.testing.assert_allclose(a.amplitude_m, b.amplitude_m, rtol=1e-12)
-    assert a.direction_deg == 10.0
+    made = from_wavespectra(one, duration_s=600.0, direction_deg=10.0)
+    assert made.direction_deg == 10.0
+    assert height(made) == pytest.approx(library_height(spectrum()), rel=1e-12)
 
 
-def test_directions_to_and_a_sector() -> None:
-    """ "To" directions are followed; a table of a sector has no bin across the rest of the circle."""
-    dataset = spectrum(330.0, 60.0)
-    other = dataset.assign_coords(
-        dir=("dir", (DIRECTION + 180.0) % 360.0, {"standard_name": "sea_surface_wave_to_direction"})
-    )
-    a, b = (from_wavespectra(s, duration_s=600.0) for s in (dataset, other))
-    assert a.amplitude_m == b.amplitude_m
-    np.testing.assert_allclose(a.direction_deg, b.direction_deg, atol=1e-9)
-    sector = dataset.sel(dir=slice(240.0, 345.0))
+def test_a_sector_has_no_bin_across_the_rest_of_the_circle() -> None:
+    sector = spectrum(330.0, 60.0).sel(dir=slice(240.0, 345.0))
     assert height(from_wavespectra(sector, duration_s=600.0)) == pytest.approx(
         library_height(sector), rel=1e-12
     )
+
+
+@pytest.mark.parametrize("reader", ["swan", "ww3", "octopus", "netcdf"])
+def test_formats_agree(tmp_path: Path, reader: str) -> None:
+    """The same sea in formats with unlike conventions: WAVEWATCH III has "to" directions and radian."""
+    import wavespectra  # noqa: F401  gives the accessor
+
+    path = tmp_path / f"sea.{reader}"
+    dataset = spectrum().expand_dims(site=[1]).transpose("time", "site", "freq", "dir")
+    dataset = dataset.assign({"lon": ("site", [3.0]), "lat": ("site", [54.0])})
+    for name, value in (("wspd", 10.0), ("wdir", 330.0), ("dpt", 50.0)):
+        dataset[name] = (("time", "site"), [[value], [value]])
+    getattr(dataset.spec, f"to_{reader}")(str(path))
+    case, report = resolve(case_of(path, reader=reader, index=1, directional=False))
+    expected = from_wavespectra(spectrum(), duration_s=600.0, index=1, directional=False)
+    assert report is not None
+    assert report.numbers["file_hs_m"] == pytest.approx(library_height(spectrum(), 1), rel=1e-3)
+    assert case.components is not None
+    assert case.components.direction_deg == pytest.approx(expected.direction_deg, abs=0.1)
+
+
+def test_a_plain_file_in_other_conventions_is_refused(tmp_path: Path) -> None:
+    """Not taken for what it is not: the reader of plain netCDF converts nothing."""
+    for name, attributes in (
+        ("dir", {"standard_name": "sea_surface_wave_to_direction"}),
+        ("freq", {"units": "rad s-1"}),
+    ):
+        dataset = spectrum()
+        dataset[name].attrs.update(attributes)
+        with pytest.raises(InputError, match="this reader takes"):
+            resolve_case(case_of(write(dataset, tmp_path / f"{name}.nc")))
 
 
 def test_the_second_site_of_the_second_time() -> None:

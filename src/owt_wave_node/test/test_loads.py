@@ -276,3 +276,55 @@ def test_damping_of_a_record_does_not_depend_on_its_windows(recorded, oc4) -> No
     assert np.abs(whole - cut).max() < 1e-9 * np.abs(whole).max()
     assert np.abs(whole - whole.transpose(0, 2, 1)).max() < 1e-12 * np.abs(whole).max()
     assert np.linalg.eigvalsh(whole).min() > -1e-9 * np.abs(whole).max()  # drag takes energy out
+
+
+EVERYTHING = {
+    "cd": [[-20.0, 0.7], [0.0, 1.1]],
+    "cm": [[-20.0, 1.8], [0.0, 1.6]],
+    "distribution": "quadratic",
+    "points": "gauss",
+    "diffraction": "maccamy-fuchs",
+    "axial_cd": 0.1,
+    "axial_ca": 0.2,
+    "end_cd": 1.0,
+    "end_ca": 1.0,
+    "marine_growth": True,
+}
+
+
+def test_all_options_by_every_route(recorded, column) -> None:
+    """Loads with every option on do not depend on how the waves are summed, nor on how they are windowed."""
+    growth = {"thickness_m": 0.1, "density_kg_m3": 1100.0, "z_bottom_m": -12.0, "z_top_m": -2.0}
+    mesh = column(depth=50.0, top=(8.0, 3.0, 12.0), marine_growth=growth)
+    fields = {
+        "time": {"dt_s": 0.5, "n": 300},
+        "current": {"speed_m_s": 0.7, "direction_deg": 80.0},
+        "morison": EVERYTHING,
+        "stream": {"block": 50},
+    }
+    loads = [
+        jacket_loads(recorded("A", **fields, wave={"route": route, "window": window}), mesh)
+        for route, window in (("exact", None), ("direct", None), ("compressed", None), ("exact", 150))
+    ]
+    assert np.abs(loads[0].force[:, 1]).max() > 1e3  # the current pushes across the waves
+    for other in loads[1:]:
+        assert np.abs(other.force - loads[0].force).max() < 1e-6 * np.abs(loads[0].force).max()
+        assert np.abs(other.moment - loads[0].moment).max() < 1e-6 * np.abs(loads[0].moment).max()
+
+
+def test_all_options_in_short_crested_waves(listed, column) -> None:
+    """Directions that are almost one give the loads of one: three channels against two."""
+    mesh = column(top=(8.0, 3.0, 12.0), marine_growth=None)
+    one, other = (
+        jacket_loads(
+            listed(
+                [0.6, 0.9, 1.2], [0.4, 0.3, 0.1], [0.0, 1.0, 2.0], direction=directions, **REGULAR,
+                current={"speed_m_s": 0.7, "direction_deg": 80.0},
+                morison=EVERYTHING | {"marine_growth": False},
+            ),
+            mesh,
+        ).force
+        for directions in (40.0, [40.0, 40.0 + 1e-5, 40.0])
+    )  # fmt: skip
+    assert np.abs(one - other).max() < 1e-6 * np.abs(one).max()
+    assert np.abs(one - other).max() > 0.0  # they did take different ways

@@ -81,7 +81,7 @@ def _rows(report: SeaReport) -> list[tuple[str, str]]:
 def _record(record: Any) -> list[tuple[str, str]]:
     """Rows of one record."""
     found = record.as_dict()
-    text = {name: "-" if value is None else f"{value:.3f}" for name, value in found.items()}
+    text = {name: "-" if value is None else f"{value:z.3f}" for name, value in found.items()}
     return [
         ("mean, 4 std", f"{text['mean_m']}, {text['hm0_m']} m"),
         ("skewness, kurtosis", f"{text['skewness']}, {text['kurtosis']}"),
@@ -92,11 +92,11 @@ def _record(record: Any) -> list[tuple[str, str]]:
 
 def _crests(row: dict[str, float | None]) -> str:
     """One exceedance: counted, and by each distribution."""
-    counted = "-" if row["counted_m"] is None else f"{row['counted_m']:.2f}"
+    counted = "too few waves to count" if row["counted_m"] is None else f"{row['counted_m']:.2f} m counted"
     models = ", ".join(
         f"{name} {row[f'{name.lower()}_m']:.2f}" for name in ("Rayleigh", "Tayfun", "Forristall")
     )
-    return f"{counted} m counted; {models} m"
+    return f"{counted}; {models} m"
 
 
 def _members(report: SeaReport) -> list[str]:

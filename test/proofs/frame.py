@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from owt_model.mesh import build_mesh
 from owt_model.section import area, bending_inertia, polar_inertia
 from owt_model.structure import Structure, parse_structure
-from owt_structure_node.core.assembly import Assembly, assemble
+from owt_structure_node.core.assembly import assemble
 from owt_structure_node.core.eigen import eigen_report
 from owt_structure_node.core.modes import factorise, lowest_modes
 from owt_structure_node.core.recovery import end_force_map

@@ -33,6 +33,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--modes", type=int, default=20, help="number of modes (default 20)")
     parser.add_argument("--fixed-interface", action="store_true", help="clamp the interface")
+    parser.add_argument(
+        "--static",
+        action="store_true",
+        help="count the geometric stiffness of all weights (P-delta), and show what it does",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -52,15 +57,24 @@ def run(options: argparse.Namespace) -> int:
         n_modes=options.modes,
         fixed_interface=options.fixed_interface,
         basis=_load_basis(structure, options.reduction),
+        static=options.static,
     )
     if options.json:
         print(json.dumps(report, allow_nan=False))
         return 0
     tonnes = report["mass_kg"] / 1000.0
     print(f"{report['model']}, {report['reduction']}: {tonnes:.1f} t of steel and lumped masses")
-    print("mode  frequency [Hz]  log decrement [%]")
+    for note in report["not_supported"]:
+        print(f"not supported: {note}")
+    state = report.get("static_state")
+    if state is not None:
+        factor = state["buckling_factor"]
+        limit = "nothing buckles" if factor is None else f"buckling at {factor:.1f} times all weights"
+        print(f"weight less buoyancy {state['weight_n'] / 1e6:.2f} MN, {limit}")
+    print("mode  frequency [Hz]  log decrement [%]" + ("  by weights [%]" if state else ""))
     for i, (f, d) in enumerate(zip(report["frequencies_hz"], report["logdec_percent"], strict=True), 1):
-        print(f"{i:4d}  {f:14.4f}  {'overdamped' if d is None else f'{d:.2f}':>17}")
+        change = f"  {state['change_percent'][i - 1]:+14.3f}" if state else ""
+        print(f"{i:4d}  {f:14.4f}  {'overdamped' if d is None else f'{d:.2f}':>17}{change}")
     return 0
 
 

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import eigh
 from scipy.sparse import csc_array
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from owt_model.config import Damping
 from owt_model.contracts import LoadBasis
-from owt_model.errors import InputError
+from owt_model.errors import ComputationError, InputError
 from owt_model.mesh import build_mesh
-from owt_model.structure import Structure
-from owt_structure_node.core.assembly import Assembly, assemble
-from owt_structure_node.core.modes import dense_modes, lowest_modes
+from owt_model.structure import StaticState, Structure
+from owt_structure_node.core.assembly import Assembly, assemble, element_transformation
+from owt_structure_node.core.modes import dense_modes, factorise, lowest_modes
 from owt_structure_node.core.reduction import guyan, reduce
 from owt_structure_node.core.response import modal_damping
+from owt_structure_node.core.static import weights
 
 __all__ = ["eigen_report", "log_decrement"]
 
@@ -37,6 +41,7 @@ def eigen_report(
     damping: Damping | None = None,
     basis: LoadBasis | None = None,
     jacket_stiffness_factor: float = 1.0,
+    static: bool = False,
 ) -> dict[str, Any]:
     """Solve the eigenvalue problem of a structure and report it as plain data.
 
@@ -56,6 +61,8 @@ def eigen_report(
         Load vectors of a reduction with MTA vectors.
     jacket_stiffness_factor : float
         Factor on the stiffness of the members (frequency model: 0.37).
+    static : bool
+        Count the geometric stiffness of the weights, and report what it does.
 
     Returns
     -------
@@ -63,7 +70,10 @@ def eigen_report(
         ``model``, ``model_hash``, ``reduction``, ``degrees_of_freedom``, ``mass_kg`` (steel and lumped
         bodies), ``masses_kg`` (by kind), ``frequencies_hz``, ``damping_ratio``, ``logdec_percent`` (None
         where overdamped), ``fixed_interface_frequencies_hz``, ``guyan_stiffness``, ``guyan_mass`` (of the
-        jacket alone, 6 x 6, at the transition-piece node).
+        jacket alone, 6 x 6, at the transition-piece node), ``not_supported`` (what an import left out), and
+        with `static` ``static_state``: ``frequencies_hz`` and ``change_percent`` (without geometric
+        stiffness, and what it changes), ``buckling_factor`` (of all weights; None where nothing buckles),
+        ``weight_n`` (less buoyancy).
 
     Raises
     ------
@@ -75,20 +85,25 @@ def eigen_report(
     if n_modes < 1:
         raise InputError("n_modes", n_modes, "must be at least 1", "Ask for 20.")
     damping = Damping() if damping is None else damping
+    if static and structure.static_state is None:
+        structure = structure.model_copy(update={"static_state": StaticState()})
     assembly = assemble(build_mesh(structure), jacket_stiffness_factor=jacket_stiffness_factor)
-    static = guyan(assembly)
     held = _fixed_interface(assembly, n_modes)
-    if fixed_interface:
-        omega2, size = held, assembly.internal
-    elif reduction is None or reduction == "full":
-        size = assembly.mesh.n_dof
-        omega2, _ = lowest_modes(assembly.stiffness, assembly.mass, min(n_modes, size))
-    else:
-        reduced = reduce(assembly, reduction, basis)
-        omega2, size = dense_modes(reduced.stiffness, reduced.mass)[0][:n_modes], len(reduced.mass)
+
+    def lowest(of: Assembly) -> tuple[Float[np.ndarray, " mode"], int]:
+        if fixed_interface:
+            return (held if of is assembly else _fixed_interface(of, n_modes)), of.internal
+        if reduction is None or reduction == "full":
+            size = of.mesh.n_dof
+            return lowest_modes(of.stiffness, of.mass, min(n_modes, size))[0], size
+        reduced = reduce(of, reduction, basis)
+        return dense_modes(reduced.stiffness, reduced.mass)[0][:n_modes], len(reduced.mass)
+
+    static_model = guyan(assembly)
+    omega2, size = lowest(assembly)
     _, zeta = modal_damping(omega2, damping.alpha, damping.beta)
     decrement = 100.0 * log_decrement(zeta)
-    return {
+    report: dict[str, Any] = {
         "model": structure.name,
         "model_hash": structure.content_hash,
         "reduction": "fixed interface" if fixed_interface else reduction or "full",
@@ -99,9 +114,58 @@ def eigen_report(
         "damping_ratio": zeta.tolist(),
         "logdec_percent": [value if np.isfinite(value) else None for value in decrement.tolist()],
         "fixed_interface_frequencies_hz": _hertz(held),
-        "guyan_stiffness": static.stiffness.tolist(),
-        "guyan_mass": static.mass.tolist(),
+        "guyan_stiffness": static_model.stiffness.tolist(),
+        "guyan_mass": static_model.mass.tolist(),
+        "not_supported": list(structure.notes),
     }
+    if static:
+        report["static_state"] = _static_effect(assembly, jacket_stiffness_factor, omega2, lowest)
+    return report
+
+
+def _static_effect(
+    assembly: Assembly,
+    jacket_stiffness_factor: float,
+    omega2: Float[np.ndarray, " mode"],
+    lowest: Callable[[Assembly], tuple[Float[np.ndarray, " mode"], int]],
+) -> dict[str, Any]:
+    """What the weights do to the frequencies, and how far they are from buckling the structure."""
+    structure = assembly.mesh.structure
+    elastic = assemble(
+        build_mesh(structure.model_copy(update={"static_state": None})),
+        jacket_stiffness_factor=jacket_stiffness_factor,
+    )
+    without = lowest(elastic)[0]
+    state = structure.static_state
+    assert state is not None  # --static gave it one
+    return {
+        "frequencies_hz": _hertz(without),
+        "change_percent": (100.0 * (np.sqrt(omega2 / without) - 1.0)).tolist(),
+        "buckling_factor": _buckling_factor(elastic.stiffness, assembly.stiffness),
+        "weight_n": -float(
+            weights(assembly.mesh, state, element_transformation(assembly.mesh))[1][:, 2].sum()
+        ),
+    }
+
+
+def _buckling_factor(elastic: csc_array, loaded: csc_array) -> float | None:
+    """Smallest factor f > 0 for which K + f K_geometric is singular, None where there is none."""
+    factor = factorise(elastic)
+    size = elastic.shape[0]
+    relief = csc_array(elastic - loaded)
+    if size <= 60:
+        share = float(eigh(relief.toarray(), elastic.toarray(), eigvals_only=True)[-1])
+    else:
+        inverse = LinearOperator((size, size), matvec=factor.solve, dtype=np.float64)
+        start = np.random.default_rng(20211).standard_normal(size)
+        try:
+            found = eigsh(
+                relief, k=1, M=elastic, Minv=inverse, which="LA", v0=start, return_eigenvectors=False
+            )
+        except ArpackError as error:
+            raise ComputationError(f"the buckling iteration did not converge ({error})") from None
+        share = float(found[0])
+    return 1.0 / share if share > 0.0 else None
 
 
 def _fixed_interface(assembly: Assembly, n_modes: int) -> Float[np.ndarray, " mode"]:

@@ -38,25 +38,28 @@ class Rest:
         Axial force at the middle of each element in N, tension positive.
     handed_over : float array [node, 3]
         Force in N that each node that follows another hands over to it; zero elsewhere.
-    weight : float
-        Weight less buoyancy in N.
     """
 
     displacement: Float[np.ndarray, "node 6"]
     axial: Float[np.ndarray, " element"]
     handed_over: Float[np.ndarray, "node 3"]
-    weight: float
 
 
 def weights(
     mesh: Mesh, state: StaticState, transform: Float[np.ndarray, "element 12 12"]
-) -> Float[np.ndarray, "element 12"]:
-    """Equivalent nodal loads of weight less buoyancy along the elements, in element axes."""
+) -> tuple[Float[np.ndarray, "element 12"], Float[np.ndarray, "node 6"]]:
+    """Weight less buoyancy: equivalent nodal loads of each element in its axes, and all loads by node."""
     wall = (mesh.element_length, mesh.element_diameter, mesh.element_thickness, mesh.element_density)
     matrices = tube_mass(*wall, rotary_inertia=False) + weight_matrices(mesh, buoyancy=state.buoyancy)
     fall = np.zeros(12)
     fall[[2, 8]] = -state.gravity_m_s2
-    return np.asarray((matrices @ (transform @ fall)[:, :, None])[:, :, 0])
+    load = (matrices @ (transform @ fall)[:, :, None])[:, :, 0]
+    nodal = np.zeros((mesh.n_nodes, 6))
+    of_element = (transform.transpose(0, 2, 1) @ load[:, :, None]).reshape(-1, 2, 6)
+    np.add.at(nodal, mesh.element_node, of_element)
+    for node, body in bodies(mesh):
+        nodal[node] -= state.gravity_m_s2 * body_matrix(body)[:, 2]
+    return load, nodal
 
 
 def bodies(mesh: Mesh) -> list[tuple[int, PointMass]]:
@@ -94,12 +97,7 @@ def rest(
     ComputationError
         If the stiffness is singular.
     """
-    load = weights(mesh, state, transform)
-    nodal = np.zeros((mesh.n_nodes, 6))
-    of_element = (transform.transpose(0, 2, 1) @ load[:, :, None]).reshape(-1, 2, 6)
-    np.add.at(nodal, mesh.element_node, of_element)
-    for node, body in bodies(mesh):
-        nodal[node] -= state.gravity_m_s2 * body_matrix(body)[:, 2]
+    load, nodal = weights(mesh, state, transform)
     stiffness = (expansion.T @ node_stiffness @ expansion).tocsc()
     motion = expansion @ factorise(stiffness).solve(expansion.T @ nodal.reshape(-1))
     ends = motion.reshape(-1, 6)[mesh.element_node].reshape(-1, 12)
@@ -109,7 +107,6 @@ def rest(
         displacement=motion.reshape(-1, 6),
         axial=0.5 * (force[:, 6] - force[:, 0]),
         handed_over=_hand_over(mesh, residual[:, :3]),
-        weight=-float(nodal[:, 2].sum()),
     )
 
 

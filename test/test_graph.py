@@ -1,6 +1,7 @@
 """The graph as processes: recorded, read back by an independent library, compared, broken on purpose."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -27,7 +28,9 @@ from owt_bringup.process import Child, find_executable, stop_all
 from owt_bringup.supervisor import Supervisor
 from owt_bringup.transport import shared_memory_profile
 from owt_campaign.pipeline import prepare_case, stream_case
+from owt_model.config import parse_case
 from owt_model.errors import InputError, OwtError
+from owt_postproc.bag_reader import read_files
 from owt_ros.parameters import parameter_yaml
 from owt_ros.topics import POSTPROC, RECORDED, STRUCTURE, WAVE
 
@@ -72,6 +75,25 @@ def test_the_bag_holds_the_numbers_of_the_run_in_one_process(tmp_path: Path) -> 
     assert names <= {WAVE, STRUCTURE, POSTPROC}, "rates hold wall time and are not recorded"
     metadata = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert metadata["message_count"] == sum(len(found) for found in recorded.values())
+
+
+def test_the_case_of_a_bag_runs_again_without_the_file_of_its_sea(tmp_path: Path) -> None:
+    """A measured record: the bag's case holds components, and gives the numbers that were recorded."""
+    record, bag = tmp_path / "record.csv", tmp_path / "run"
+    record.write_text("".join(f"{i * 0.5:.1f},{math.sin(0.9 * i * 0.5)!r}\n" for i in range(100)))
+    case = short_case(sea_state=None, measured={"path": str(record), "cutoff_rad_s": 2.0})
+    run_graph(case, bag)
+    record.unlink()
+    again = parse_case(read_files(bag).case)
+    assert again.measured is None
+    assert again.components is not None
+    run, recorded = prepare_case(again), read_by_rosbags(bag)
+    for label, messages in expected_messages(run, list(stream_case(run))).items():
+        for one, two in zip(messages, recorded[label], strict=True):
+            assert_messages_equal(label, one, two)
+    with pytest.raises(InputError, match=r"record\.csv"):  # the case as it was given needs its file
+        run_graph(case, tmp_path / "other")
+    assert not (tmp_path / "other").exists()
 
 
 def test_a_bag_is_replaced_only_on_demand(tmp_path: Path) -> None:

@@ -114,14 +114,13 @@ class GridField:
         def part(x: Float[np.ndarray, " point"]) -> Float[np.ndarray, "point 2 time"]:
             phasor = self._phasors(x)
             spectra = np.zeros((x.size, 2, self._n_bins), dtype=complex)
-            spectra[:, 0, self._used] = phasor
             if self._tables is not None:
-                second = np.zeros((x.size, self._n_bins), dtype=complex)
-                _kernel.second_elevation(
-                    phasor, self.wavenumber, self.bins, self.dense, self._set_down,
-                    self._tables.surface_sum, self._tables.surface_difference, second,
-                )  # fmt: skip
-                spectra[:, 1] = second
+                tables = self._tables.surface_sum, self._tables.surface_difference
+                self._add_second(phasor, np.zeros(x.size), tables, spectra, image=False)
+                spectra[:, 1] = spectra[:, 0]
+                spectra[:, 1, 0] += self._set_down
+                spectra[:, 0] = 0.0
+            spectra[:, 0, self._used] = phasor
             return self.grid.series(spectra, np.arange(x.size), channels=2)
 
         parts = np.concatenate(map_threads(part, np.array_split(x, range(CHUNK, x.size, CHUNK))))
@@ -146,6 +145,21 @@ class GridField:
         out[:, 0, self._used] += here * horizontal
         out[:, 1, self._used] += 1j * (here * vertical)
 
+    def _add_second(
+        self,
+        phasor: Phasor,
+        level: Float[np.ndarray, " point"],
+        tables: tuple[Float[np.ndarray, " entry"], Float[np.ndarray, " entry"]],
+        out: Complex[np.ndarray, "point 2 bin"],
+        *,
+        image: bool,
+    ) -> None:
+        """Add the coefficients of u and w of the second order, or of the elevation twice."""
+        _kernel.second_order(
+            phasor, level, self.wavenumber, self.bins, self.dense, self.waves.depth,
+            self.waves.peak_wavenumber, self._blocks, image, *tables, out,
+        )  # fmt: skip
+
     def _spectra(self, place: Place, *, first: bool, second: bool) -> Complex[np.ndarray, "point 2 bin"]:
         """Coefficients of u and w [eq. 4.32, 4.33, 4.50, 4.51]."""
         waves, x, z = self.waves, place[:, 0].copy(), place[:, 2].copy()
@@ -159,11 +173,9 @@ class GridField:
                 )
                 self._add_first(phasor, *profile, out[rows])
             if second and self._tables is not None:
-                _kernel.second_velocity(
-                    phasor, second_order_level(z[rows], waves.stretching), self.wavenumber, self.bins,
-                    self.dense, waves.depth, waves.peak_wavenumber, self._blocks,
-                    self._tables.velocity_sum, self._tables.velocity_difference, out[rows],
-                )  # fmt: skip
+                tables = self._tables.velocity_sum, self._tables.velocity_difference
+                level = second_order_level(z[rows], waves.stretching)
+                self._add_second(phasor, level, tables, out[rows], image=True)
 
         map_threads(part, [slice(i, min(i + CHUNK, x.size)) for i in range(0, x.size, CHUNK)])
         return out

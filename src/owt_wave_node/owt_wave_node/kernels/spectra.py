@@ -21,7 +21,7 @@ from numba import njit
 
 from owt_wave_node.kernels.simd import LANES, ROWS, add_rows
 
-__all__ = ["GAP", "phasors", "second_elevation", "second_velocity", "spaced", "warm_up"]
+__all__ = ["GAP", "phasors", "second_order", "spaced", "warm_up"]
 
 #: Exponent below the dominant pair from which a pair cannot change the sum in double precision.
 NEGLIGIBLE = 40.0
@@ -64,7 +64,7 @@ def _add_four(table, row, grow, shift, e_re, e_im, start, a_re, a_im, m, low, hi
         )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, inline="always")
 def _scatter_row(table, e_re, e_im, a, b, to, sign, start, out_re, out_im):
     """Add table * (a + i b) * e to entries start + sign * to of `out`."""
     for i in range(table.size):
@@ -74,7 +74,7 @@ def _scatter_row(table, e_re, e_im, a, b, to, sign, start, out_re, out_im):
         out_im[j] += a * t_im + b * t_re
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _sums(table, e_re, e_im, k, limit, j, dense, out_re, out_im):
     """Add the pairs k_m + k_n <= limit of exp(i (psi_m + psi_n)).
 
@@ -101,7 +101,7 @@ def _sums(table, e_re, e_im, k, limit, j, dense, out_re, out_im):
             )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _differences(
     table, e_re, e_im, back_re, back_im, k, first, last, limit, j, back_j, dense, out_re, out_im
 ):
@@ -141,7 +141,7 @@ def phasors(x, k, amplitude, out):
             out[p, m] = amplitude[m] * complex(math.cos(k[m] * x[p]), -math.sin(k[m] * x[p]))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _scaled(phasor, k, shift, height, first, last, e_re, e_im, back_re, back_im):
     """Factors phasor exp((k - shift) height) from component `first` on; conjugate inverses up to `last`."""
     size = k.size
@@ -155,63 +155,49 @@ def _scaled(phasor, k, shift, height, first, last, e_re, e_im, back_re, back_im)
 
 
 @njit(cache=True, nogil=True)
-def second_velocity(phasor, z, k, j, dense, depth, k_peak, blocks, table_sum, table_difference, out):
+def second_order(phasor, z, k, j, dense, depth, k_peak, blocks, image, table_sum, table_difference, out):
     """Add the second-order velocities [eq. 4.20, 4.21] to out [point, 2, j].
 
-    `phasor` [point, component] is A exp(-i k x). The tables are spaced. `blocks` are the bounds of ranges of n
-    within which exp(2 k d) does not overflow; `k_peak` is the wave number of the largest component, against
-    which a pair is negligible.
+    Without `image`, at z = 0 and with the tables of the surface, the first of the two is the elevation
+    [eq. 4.18] without its mean.
+
+    Parameters
+    ----------
+    phasor : [point, component]
+        A exp(-i k x).
+    k_peak : float
+        Wave number of the largest component, against which a pair is negligible.
+    blocks : [bound]
+        Bounds of ranges of n within which exp(2 k d) does not overflow.
+    image : bool
+        Whether the vertical factors have their second term, of the image below the bed.
+    table_sum, table_difference : [entry]
+        See :func:`spaced`.
     """
     size, n_j = k.size, out.shape[2]
-    # Factors e upwards and f of the image below the bed, each with its inverses.
-    e, f = np.zeros((4, size + 2 * GAP)), np.zeros((4, size + 2 * GAP))
-    g, h = np.empty((2, n_j + GAP)), np.empty((2, n_j + GAP))
-    back_j = j[::-1].copy()
+    factor = np.zeros((4, size + 2 * GAP))
+    sums, back_j = np.empty((4, n_j + GAP)), j[::-1].copy()
     for p in range(z.size):
-        up, down = z[p], z[p] + 2.0 * depth
-        depth_p = max(-up, 1e-300)
-        g[:], h[:] = 0.0, 0.0
-        _scaled(phasor[p], k, 0.0, up, 0, 0, e[0], e[1], e[2], e[3])
-        _scaled(phasor[p], k, 0.0, -down, 0, 0, f[0], f[1], f[2], f[3])
-        base = NEGLIGIBLE + 2.0 * k_peak * max(-up, 0.0)
-        _sums(table_sum, e[0], e[1], k, base / depth_p, j, dense, g[0], g[1])
-        _sums(table_sum, f[0], f[1], k, base / down, j, dense, h[0], h[1])
-        for i in range(blocks.size - 1):
-            first, last = blocks[i], blocks[i + 1]
-            _scaled(phasor[p], k, k[first], up, first, last, e[0], e[1], e[2], e[3])
-            _scaled(phasor[p], k, k[first], -down, first, last, f[0], f[1], f[2], f[3])
-            _differences(
-                table_difference, e[0], e[1], e[2], e[3], k, first, last, NEGLIGIBLE / depth_p, j, back_j,
-                dense, g[0], g[1],
-            )  # fmt: skip
-            _differences(
-                table_difference, f[0], f[1], f[2], f[3], k, first, last, NEGLIGIBLE / down, j, back_j,
-                dense, h[0], h[1],
-            )  # fmt: skip
+        sums[:] = 0.0
+        for term in range(2 if image else 1):
+            height = z[p] if term == 0 else -(z[p] + 2.0 * depth)
+            below = max(-height, 1e-300)
+            g_re, g_im = sums[2 * term], sums[2 * term + 1]
+            _scaled(phasor[p], k, 0.0, height, 0, 0, factor[0], factor[1], factor[2], factor[3])
+            limit = (NEGLIGIBLE + 2.0 * k_peak * max(-z[p], 0.0)) / below
+            _sums(table_sum, factor[0], factor[1], k, limit, j, dense, g_re, g_im)
+            for i in range(blocks.size - 1):
+                first, last = blocks[i], blocks[i + 1]
+                _scaled(
+                    phasor[p], k, k[first], height, first, last, factor[0], factor[1], factor[2], factor[3]
+                )
+                _differences(
+                    table_difference, factor[0], factor[1], factor[2], factor[3], k, first, last,
+                    NEGLIGIBLE / below, j, back_j, dense, g_re, g_im,
+                )  # fmt: skip
         for i in range(n_j):
-            out[p, 0, i] += complex(g[0, i] + h[0, i], g[1, i] + h[1, i])
-            out[p, 1, i] += 1j * complex(g[0, i] - h[0, i], g[1, i] - h[1, i])
-
-
-@njit(cache=True, nogil=True)
-def second_elevation(phasor, k, j, dense, set_down, table_sum, table_difference, out):
-    """Add the second-order elevation [eq. 4.18], mean `set_down` included, to out [point, j].
-
-    `phasor` [point, component] is A exp(-i k x). The tables are spaced.
-    """
-    size, n_j = k.size, out.shape[1]
-    e = np.zeros((4, size + 2 * GAP))
-    g, back_j = np.empty((2, n_j + GAP)), j[::-1].copy()
-    for p in range(phasor.shape[0]):
-        _scaled(phasor[p], k, 0.0, 0.0, 0, size, e[0], e[1], e[2], e[3])
-        g[:] = 0.0
-        _sums(table_sum, e[0], e[1], k, np.inf, j, dense, g[0], g[1])
-        _differences(
-            table_difference, e[0], e[1], e[2], e[3], k, 0, size, np.inf, j, back_j, dense, g[0], g[1]
-        )
-        for i in range(n_j):
-            out[p, i] += complex(g[0, i], g[1, i])
-        out[p, 0] += set_down
+            out[p, 0, i] += complex(sums[0, i] + sums[2, i], sums[1, i] + sums[3, i])
+            out[p, 1, i] += 1j * complex(sums[0, i] - sums[2, i], sums[1, i] - sums[3, i])
 
 
 def warm_up() -> None:
@@ -221,6 +207,4 @@ def warm_up() -> None:
     table = np.zeros(200)
     spaced(np.ones(3), 2, 1, table)
     phasors(z, k, phasor[0], phasor)
-    for dense in (True, False):
-        second_velocity(phasor, z, k, j, dense, 50.0, 0.04, np.array([0, 2]), table, table, velocity)
-        second_elevation(phasor, k, j, dense, -0.1, table, table, velocity[0])
+    second_order(phasor, z, k, j, True, 50.0, 0.04, np.array([0, 2]), True, table, table, velocity)

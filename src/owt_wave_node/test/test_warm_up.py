@@ -34,7 +34,8 @@ short = {"time": {"dt_s": 0.1, "n": 60}, "points_m": [[0, 0, -5], [1, 2, 1]]}
 gaps = {"components": {"omega_rad_s": [1.04719755119659763, 2.09439510239319526, 4.18879020478639],
                        "amplitude_m": [0.1, 0.1, 0.1], "phase_rad": [0, 1, 2]}}
 wheeler_case, growth = {"wave": {"order": 1, "stretching": "wheeler"}}, {"morison": {"marine_growth": True}}
-full = {"current": {"speed_m_s": 0.5}, "morison": {"distribution": "quadratic", "axial_cd": 0.1}}
+options = {"distribution": "quadratic", "axial_cd": 0.1, "points": "gauss", "diffraction": "maccamy-fuchs"}
+full = {"current": {"speed_m_s": 0.5}, "morison": options | {"hydrodynamic_damping": True, "end_cd": 1.0}}
 crossing = {"components": gaps["components"] | {"direction_deg": [0, 40, 90]}}
 for extra in ({}, gaps, wheeler_case, growth, full, crossing):
     case = parse_case(short | extra)

@@ -132,6 +132,7 @@ def add_to_node(rows, side, axes, out):
 def warm_up() -> None:
     """Compile the kernels."""
     weights, rows = np.empty((1, 2, 6)), np.zeros((1, 8, 2))
+    hermite(0.5, 1.0, np.empty(6))
     segment_weights(np.array([0.0, 1.0]), 1.0, 1, False, weights)
     station_weights(weights, np.empty((2, 6)))
     add_stations(np.ones((2, 2, 2)), weights[0], rows[0])

@@ -15,12 +15,13 @@ import json, sys
 from owt_model.config import parse_case
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
-from owt_wave_node.kernels import directional, morison, sections, spectra, surface, transfer, wheeler, warm_up
+from owt_wave_node.kernels import compressed, directional, fft, morison, sections, spectra, surface, transfer
+from owt_wave_node.kernels import warm_up, wheeler
 
 def signatures():
     return {
         f"{module.__name__}.{name}": [str(s) for s in kernel.signatures]
-        for module in (directional, morison, sections, spectra, surface, transfer, wheeler)
+        for module in (compressed, directional, fft, morison, sections, spectra, surface, transfer, wheeler)
         for name, kernel in vars(module).items()
         if hasattr(kernel, "signatures")
     }

@@ -11,6 +11,7 @@ import pytest
 from owt_bringup.cli import main
 from owt_bringup.output import npz_file
 from owt_model.config import parse_case
+from owt_wave_node.core.buoyancy import buoyancy
 from owt_wave_node.core.loads import jacket_loads
 from proofs.cases import oc4
 
@@ -57,3 +58,16 @@ def test_loads_of_several_windows(tmp_path: Path, capsys: pytest.CaptureFixture[
         assert 0.0 < found["error_estimate"] == expected.error_estimate < 1e-8
         # Negative control: the windows are not repeated.
         assert not np.allclose(found["nodal"][:100], found["nodal"][100:200])
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_buoyancy_is_an_array_of_its_own(tmp_path: Path, asked: bool) -> None:
+    data = {"time": {"dt_s": 0.1, "n": 20}, "wave": {"order": 1}}
+    morison = {"morison": {"buoyancy": asked}}
+    (tmp_path / "case.json").write_text(json.dumps(data | morison))
+    assert main(["loads", str(tmp_path / "case.json"), "-o", str(tmp_path / "out.npz")]) == 0
+    with np.load(tmp_path / "out.npz") as found:
+        assert ("buoyancy" in found) == asked
+        assert np.array_equal(found["nodal"], jacket_loads(parse_case(data), oc4()).nodal())
+        if asked:
+            assert np.array_equal(found["buoyancy"], buoyancy(parse_case(data), oc4()))

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from owt_wave_node.core.compression import CompressedSea, Table
+from owt_wave_node.core.compression import CompressedSea, Table, product
 from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
 from owt_wave_node.core.parallel import map_threads
 from owt_wave_node.core.profile import first_order_profile, second_order_level
@@ -19,6 +19,9 @@ __all__ = ["CompressedField"]
 #: Points whose elevation is transformed together by a thread.
 CHUNK = 16
 
+#: Coefficients of a window's grid, real and imaginary.
+Parts = Float[np.ndarray, "2 node bin"]
+
 
 class CompressedField:
     """Compressed components over their record or a window of it."""
@@ -27,7 +30,7 @@ class CompressedField:
         self._sea, self._window = sea, sea.record if window is None else window
         self.waves, self.n_axes, self.n = sea.waves, 2, self._window.count
         self.wavenumber = sea.wavenumber
-        self._kept: dict[str, tuple[int, list[Complex[np.ndarray, "bin node"]]]] = {}
+        self._kept: dict[str, tuple[int, list[Parts]]] = {}
 
     @property
     def error_estimate(self) -> float:
@@ -41,17 +44,17 @@ class CompressedField:
         begin = self._window.start + start
         return CompressedField(self._sea, self._sea.window(begin, count))
 
-    def _tables(self, part: str, stretch: int) -> list[Complex[np.ndarray, "bin node"]]:
+    def _tables(self, part: str, stretch: int) -> list[Parts]:
         """Coefficients [bin, node] of "velocity" or "surface" on this window's grid, both orders."""
         if part not in self._kept or self._kept[part][0] != stretch:
             tables = getattr(self._sea.pairs(stretch), part)
             self._kept[part] = (stretch, map_threads(self._on_window, tables))
         return self._kept[part][1]
 
-    def _on_window(self, table: Table) -> Complex[np.ndarray, "bin node"]:
+    def _on_window(self, table: Table) -> Parts:
         sea, window = self._sea, self._window
         if window is sea.record and window.divide is None:
-            return table
+            return _parts(table)
         spacing = window.grid.spacing
         if window is not sea.record:
             re, im = (np.zeros((window.n_bins, sea.wavenumber.size)) for _ in range(2))
@@ -72,7 +75,7 @@ class CompressedField:
         # The phases of a bell count from the middle of the window.
         bins = np.arange(window.n_bins) + window.bottom
         turn = np.exp(-1j * spacing * sea.waves.dt * (window.count // 2) * bins)
-        return np.asarray(table * turn[:, None])
+        return _parts(table * turn[:, None])
 
     def _by_stretch(self, place: Place, part: Callable[[int, Int[np.ndarray, " some"]], None]) -> None:
         """Work through points by the stretch of x that they lie in."""
@@ -91,7 +94,7 @@ class CompressedField:
         def part(stretch: int, rows: Int[np.ndarray, " some"]) -> None:
             phase = self._phase(place[rows], stretch)
             tables = self._tables("surface", stretch)
-            spectra = self._window.fold(np.stack([phase @ table.T for table in tables], axis=1))
+            spectra = self._window.fold(np.stack([product(phase, table) for table in tables], axis=1))
             chunks = np.array_split(np.arange(rows.size), range(CHUNK, rows.size, CHUNK))
 
             def chunk(some: Int[np.ndarray, " some"]) -> None:
@@ -123,9 +126,9 @@ class CompressedField:
             for channel, turn in enumerate((1.0, 1j)):
                 total = np.zeros((rows.size, self._window.n_bins), dtype=complex)
                 if first is not None:
-                    total += (turn * scale * phase * first[channel][rows]) @ one.T
+                    total += product(turn * scale * phase * first[channel][rows], one)
                 if second and waves.order == 2:
-                    total += (turn * phase * self._vertical(place[rows])[channel]) @ two.T
+                    total += product(turn * phase * self._vertical(place[rows])[channel], two)
                 out[rows, channel] = total
 
         self._by_stretch(place, part)
@@ -147,12 +150,12 @@ class CompressedField:
         def part(stretch: int, some: Int[np.ndarray, " some"]) -> None:
             rows = below[some]
             one, two = self._tables("velocity", stretch)
-            both = (one + two if self.waves.order == 2 else one).T
+            both = one + two if self.waves.order == 2 else one
             phase = self._phase(place[rows], stretch)
             for channel, (turn, factor) in enumerate(
                 zip((1.0, 1j), self._vertical(place[rows]), strict=True)
             ):
-                out[rows, channel] = (turn * phase * factor) @ both
+                out[rows, channel] = product(turn * phase * factor, both)
 
         self._by_stretch(place[below], part)
         folded = self._window.fold(out)
@@ -178,6 +181,11 @@ class CompressedField:
     def prepare(self, place: Place) -> Prepared:
         """Coefficients of the total velocities at points."""
         return _CompressedPrepared(self._window, self._total(place))
+
+
+def _parts(table: Table) -> Parts:
+    """Real and imaginary parts, frequencies last."""
+    return np.stack([table.real.T, table.imag.T])
 
 
 class _CompressedPrepared:

@@ -27,7 +27,7 @@ from owt_wave_node.core.transfer import set_down
 from owt_wave_node.core.window import FINE, QUICK, Bell, Window, spread_window
 from owt_wave_node.kernels import compressed as _kernel
 
-__all__ = ["MAX_ERROR", "CompressedSea", "Pairs", "Table"]
+__all__ = ["MAX_ERROR", "CompressedSea", "Pairs", "Table", "product"]
 
 #: Largest relative error of the second order that is accepted.
 MAX_ERROR = 1e-6
@@ -38,6 +38,8 @@ STRETCH = 24.0
 MAX_NODES = 600
 #: Rows of a table per task of a thread; a fixed number, so that sums do not depend on the threads.
 ROWS = 256
+#: Rows of a product per task of a thread.
+TOGETHER = 64
 #: Stretches of x that are kept.
 KEPT = 4
 #: Levels below still water, over the depth, at which the error is looked at; at 2 is still water's image.
@@ -215,7 +217,20 @@ def _compress(sea: CompressedSea, middle: float) -> Pairs:
 
 def _coefficients(sea: CompressedSea, moments: Float[np.ndarray, "row 2 node"]) -> Table:
     """Coefficients of the nodes from the moments of the polynomials, real and imaginary."""
-    return np.asarray((moments[:, 0] @ sea.matrix) + 1j * (moments[:, 1] @ sea.matrix))
+    return product(moments[:, 0] + 1j * moments[:, 1], np.stack([sea.matrix, 0.0 * sea.matrix]))
+
+
+def product(
+    factor: Complex[np.ndarray, "row node"], table: Float[np.ndarray, "2 node bin"]
+) -> Complex[np.ndarray, "row bin"]:
+    """Product of matrices in threads, the second one's real and imaginary parts apart.
+
+    The bits do not depend on the number of threads, which those of a BLAS do.
+    """
+    out = np.empty((len(factor), table.shape[2]), dtype=complex)
+    rows = [slice(i, i + TOGETHER) for i in range(0, len(factor), TOGETHER)]
+    map_threads(lambda some: _kernel.product(factor[some], table, out[some]), rows)
+    return out
 
 
 def _add_components(

@@ -13,10 +13,12 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["finish", "gather_rows", "spread_pairs", "spread_rows", "warm_up"]
+__all__ = ["finish", "gather_rows", "product", "spread_pairs", "spread_rows", "warm_up"]
 
 #: Pairs whose polynomials are raised together: their work arrays stay in the innermost cache.
 CHUNK = 256
+#: Bins of a table that are worked through together.
+BLOCK = 512
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -191,6 +193,40 @@ def spread_rows(omega, rows, time, spacing, bottom, width, shape, out_re, out_im
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
+def _add_three(a, b, c, d, e, f, x, y, z, u, v, w, out):
+    """Add six rows, each times its factor; with more of them the compiler would not vectorise."""
+    for i in range(out.size):
+        out[i] += a * x[i] + b * y[i] + c * z[i] + d * u[i] + e * v[i] + f * w[i]
+
+
+@njit(cache=True, nogil=True)
+def product(factor, table, out):
+    """Product of factor [row, q] with the table [part, q, bin], real and imaginary, into out [row, bin].
+
+    A block of the table stays in the second-level cache; sums run in the order of q, whatever the number of
+    threads.
+    """
+    n_q, n_bins = table.shape[1], table.shape[2]
+    padded = -(-n_q // 3) * 3
+    for start in range(0, n_bins, BLOCK):
+        count = min(BLOCK, n_bins - start)
+        re, im = np.zeros((padded, count)), np.zeros((padded, count))
+        re[:n_q], im[:n_q] = table[0, :, start : start + count], table[1, :, start : start + count]
+        to_re, to_im, c = np.empty(count), np.empty(count), np.zeros(padded, dtype=np.complex128)
+        for row in range(factor.shape[0]):
+            c[:n_q] = factor[row]
+            to_re[:], to_im[:] = 0.0, 0.0
+            for q in range(0, padded, 3):
+                a, b, d = c[q].real, c[q + 1].real, c[q + 2].real
+                e, f, g = c[q].imag, c[q + 1].imag, c[q + 2].imag
+                x, y, z, u, v, w = re[q], re[q + 1], re[q + 2], im[q], im[q + 1], im[q + 2]
+                _add_three(a, b, d, -e, -f, -g, x, y, z, u, v, w, to_re)
+                _add_three(e, f, g, a, b, d, x, y, z, u, v, w, to_im)
+            for i in range(count):
+                out[row, start + i] = complex(to_re[i], to_im[i])
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def finish(series, step, divide, rate, n_derived, out):
     """Divide every `step`-th sample of series [point, channel, time] by the window into `out`.
 
@@ -215,4 +251,5 @@ def warm_up() -> None:
     spread_pairs(0, 5, -2, 0.1, 2, 5.0, table, a, a, 50.0, 9.81, 1.0, out, power)
     grid, rows = np.zeros((9, 2)), np.zeros((2, 2), dtype=complex)
     spread_rows(a * 0.1, rows, 0.0, 0.1, -3, 2, 5.0, grid, grid.copy())
+    product(np.ones((1, 5), dtype=complex), np.ones((2, 5, 3)), np.empty((1, 3), dtype=complex))
     finish(np.zeros((1, 4, 3)), 1, np.ones(3), np.ones(3), 2, np.zeros((1, 4, 3)))

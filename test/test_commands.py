@@ -301,6 +301,10 @@ def test_a_measured_record_drives_waves_and_simulate(
     with np.load(out) as data:
         np.testing.assert_allclose((data["eta1"] + data["eta2"])[:, 0], elevation, atol=1e-7)
         np.testing.assert_allclose(data["eta1"][:, 0], eta1, atol=1e-7)
+    assert main(["sea", str(case(**sea)), "--json"]) == 0
+    source = json.loads(capsys.readouterr().out)["source"]
+    assert source["kind"] == "measured"
+    assert source["residual_rms"] < 1e-7
     assert np.abs(elevation - eta1).max() > 1e-2  # negative control: the record is not the first order
     assert main(["simulate", str(case(**sea)), "-o", str(tmp_path / "run")]) == 0
     assert "note: " in capsys.readouterr().err

@@ -10,12 +10,24 @@ from owt_model.config import CaseConfig, load_case
 
 if TYPE_CHECKING:
     from owt_model.structure import Structure
+    from owt_wave_node.sea_source import SourceReport
 
-__all__ = ["load_resolved_case", "print_warnings"]
+__all__ = ["load_reported_case", "load_resolved_case", "print_warnings"]
 
 
 def load_resolved_case(path: Path) -> CaseConfig:
     """Read a case; a sea in a file becomes components, and one line says how well.
+
+    Raises
+    ------
+    InputError, ComputationError
+        See :func:`load_reported_case`.
+    """
+    return load_reported_case(path)[0]
+
+
+def load_reported_case(path: Path) -> tuple[CaseConfig, SourceReport | None]:
+    """Like :func:`load_resolved_case`, with the report of what was read; None without a file.
 
     Raises
     ------
@@ -26,13 +38,13 @@ def load_resolved_case(path: Path) -> CaseConfig:
     """
     case = load_case(path)
     if case.spectrum_file is None and case.measured is None:
-        return case
+        return case, None
     from owt_wave_node.sea_source import resolve
 
     case, report = resolve(case)
     if report is not None:
         print(f"note: {report.line}", file=sys.stderr)
-    return case
+    return case, report
 
 
 def print_warnings(case: CaseConfig, structure: Structure | None = None) -> None:

@@ -24,15 +24,16 @@ def run(options: argparse.Namespace) -> int:
     """Print the report as a table or as JSON."""
     from owt_bringup.output import write_json
     from owt_bringup.results import print_table
-    from owt_bringup.sea_notes import load_resolved_case, print_warnings
+    from owt_bringup.sea_notes import load_reported_case, print_warnings
     from owt_model.structure import load_structure
 
-    case = load_resolved_case(options.case)
+    case, source = load_reported_case(options.case)
     structure = load_structure(case.structure.model)
     from owt_wave_node.core.sea_report import sea_report
 
     report = sea_report(case, structure)
     data = report.as_dict()
+    data["source"] = None if source is None else {"kind": source.source, **source.numbers}
     if options.output is not None:
         write_json(options.output, data)
     if options.json:
@@ -49,6 +50,7 @@ def _rows(report: SeaReport) -> list[tuple[str, str]]:
     """What a user wants to see of the sea."""
     s, regime = report.spectrum, report.regime
     wave, largest = regime.wave, regime.largest
+    regular = wave == largest
     moments = ", ".join(f"m{n} {s.m(n):.4g}" for n in range(-1, 5))
     rows = [
         ("significant wave height Hm0", f"{s.hm0_m:.3f} m"),
@@ -61,7 +63,10 @@ def _rows(report: SeaReport) -> list[tuple[str, str]]:
         rows += [(f"record, {name}: {label}", text) for label, text in _record(record)]
     rows += [(f"crest exceeded by {p:g} of the waves", _crests(row)) for p, row in report.crests.items()]
     rows += [
-        ("wave of Hs and Tp", f"H {wave.height_m:.3g} m, T {wave.period_s:.3g} s, L {wave.length_m:.4g} m"),
+        (
+            "regular wave" if regular else "wave of Hs and Tp",
+            f"H {wave.height_m:.3g} m, T {wave.period_s:.3g} s, L {wave.length_m:.4g} m",
+        ),
         ("steepness H/L, 2 pi Hs/(g Tp^2)", f"{wave.steepness:.4f}, {regime.sea_steepness:.4f}"),
         (
             "depth d/L, Ursell number H L^2/d^3",

@@ -27,7 +27,7 @@ __all__ = ["MemberRegime", "SeaRegime", "orbital_speed", "regime_warnings", "sea
 
 #: Kinematic viscosity of sea water at 15 degrees in m2/s (ITTC 7.5-02-01-03, 2011).
 VISCOSITY = 1.19e-6
-#: Diameter over wave length above which a member diffracts the waves (thesis 2.9, DNV-RP-C205 section 6.3).
+#: Diameter over wave length above which a member diffracts the waves (thesis 2.9, DNV-RP-C205 chapter 6).
 MAX_DIAMETER_OVER_LENGTH = 0.2
 #: KC below which the flow stays attached, and above which drag governs: H/D = 10 in deep water (figure 2.9).
 KC_ATTACHED, KC_DRAG = 2.0, 10.0 * math.pi

@@ -62,7 +62,7 @@ def test_loads_of_several_windows(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 @pytest.mark.parametrize("asked", [True, False])
 def test_buoyancy_is_an_array_of_its_own(tmp_path: Path, asked: bool) -> None:
-    data = {"time": {"dt_s": 0.1, "n": 20}, "wave": {"order": 1}}
+    data = {"time": {"dt_s": 0.1, "n": 120}, "wave": {"order": 1}}
     morison = {"morison": {"buoyancy": asked}}
     (tmp_path / "case.json").write_text(json.dumps(data | morison))
     assert main(["loads", str(tmp_path / "case.json"), "-o", str(tmp_path / "out.npz")]) == 0

@@ -295,7 +295,13 @@ def load_structure(model: str) -> Structure:
         return parse_structure(_yaml(text, model), source=model)
     from owt_model.subdyn import parse_subdyn  # imported here: subdyn builds on this module
 
-    return parse_subdyn(text, source=model)
+    def beside(name: str) -> str | None:
+        try:
+            return (path.parent / name.replace("\\", "/")).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError, ValueError):
+            return None
+
+    return parse_subdyn(text, source=model, read=beside)
 
 
 class _UniqueKeys(yaml.SafeLoader):

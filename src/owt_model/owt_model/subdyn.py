@@ -1,122 +1,52 @@
-"""Import of OpenFAST SubDyn input files: what a clamped frame of circular tubes needs, and nothing silently.
+"""Import of OpenFAST SubDyn input files: what a frame of circular tubes needs, and nothing silently.
 
 The reader goes by the keyword behind each value, not by line numbers, so that it takes the variants of the
 format: with and without the rigid-body position block, joints of 4 to 10 columns, interface rows of the
-joint alone, with six flags, with the number of the transition piece, or both, concentrated masses of 5 or
-11 columns, comments from ``!`` on, tabs, commas, Fortran's ``1.0d3``.
+joint alone, with six flags, with the number of the transition piece first or last, concentrated masses of 5
+or 11 columns, comments from ``!`` or ``#`` on, tabs, commas, Fortran's ``1.0d3``.
 
-Imported: joints, reaction joints with their flags, interface joints, members of circular section,
-element model (FEMMod 1 or 3), elements per member (NDiv), concentrated masses. Anything else that would
-change the structure is refused by name. SubDyn's element has rotary inertia, its deck no growth, water or
-added mass. A deck does not say where the transition-piece node is: it is put at the horizontal
-centroid of the interface joints, at the level of the highest.
+Imported: joints (cantilever, revolute and spherical ones with their stiffness), reaction joints with their
+flags and soil springs (SSI files), interface joints, members of circular section, tapered ones too, rigid
+links with their mass, element model (FEMMod 1 or 3), elements per member (NDiv), concentrated masses.
+Anything else that would change the structure is refused by name; what only concerns a simulation, and how
+the file was read where it leaves a choice, is in the structure's ``notes``. SubDyn's element has rotary
+inertia, its deck no growth, water or added mass. A deck does not say where the transition-piece node is: it
+is put at the horizontal centroid of the interface joints, at the level of the highest.
 """
 
 from __future__ import annotations
 
-import math
-import re
-from dataclasses import dataclass
+from collections import ChainMap
+from collections.abc import Callable
 from typing import Any
 
-from owt_model.errors import InputError
+import numpy as np
+
 from owt_model.structure import Structure, parse_structure
+from owt_model.subdyn_bodies import add_link_masses, concentrated_masses
+from owt_model.subdyn_deck import Deck, Points, Row
 
 __all__ = ["parse_subdyn"]
 
-_TOKEN = re.compile(r"\"[^\"]*\"|'[^']*'|[^\s,;]+")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 _BEAM = {1: "euler-bernoulli", 3: "timoshenko"}
-#: Count keywords (lower case) and the name of the table that follows.
-_TABLES = {
-    "njoints": "joints",
-    "nreact": "reactions",
-    "ninterf": "interface",
-    "nmembers": "members",
-    "npropsets": "sections",
-    "npropsetscyl": "sections",
-    "ncmass": "masses",
-}
 _OTHER_MEMBERS = {
     "1r": "a rectangular beam",
     "2": "a cable",
-    "3": "a rigid link",
     "4": "a beam of arbitrary section",
     "5": "a spring",
 }
+#: Names of the entries of an SSI file: the upper triangle, column by column.
+_AXES = ("x", "y", "z", "tx", "ty", "tz")
+_SPRING = {f"k{_AXES[i]}{_AXES[j]}": (i, j) for j in range(6) for i in range(j + 1)}
+_SOIL_MASS = {"m" + name[1:] for name in _SPRING}
 
 
-@dataclass(frozen=True)
-class _Row:
-    """Tokens of one line, and where it stands."""
-
-    tokens: list[str]
-    line: int
+def _no_files(name: str) -> str | None:
+    """Read no other file."""
+    return None
 
 
-class _Deck:
-    """Lines of a deck with their keywords and tables."""
-
-    def __init__(self, text: str, source: str) -> None:
-        self.source = source
-        self.rows = [
-            _Row(_TOKEN.findall(line.split("!")[0]), i + 1) for i, line in enumerate(text.splitlines())
-        ]
-        self.titles = [line.strip().upper() for line in text.splitlines()]
-
-    def refuse(self, field: str, value: Any, limit: str, remedy: str, line: int | None = None) -> InputError:
-        """Build the error for a value of this deck."""
-        where = f"{self.source}, line {line}: {field}" if line else f"{self.source}: {field}"
-        return InputError(where, value, limit, remedy)
-
-    def keyword(self, name: str) -> _Row | None:
-        """Return the row ``value name`` of a keyword, not looking at the two lines of the title."""
-        for row in self.rows[2:]:
-            if len(row.tokens) > 1 and row.tokens[1].lower() == name.lower():
-                return row
-        return None
-
-    def integer(self, text: str, field: str, line: int) -> int:
-        """Read a whole number."""
-        number = self.number(text, field, line)
-        if number != int(number):
-            raise self.refuse(field, text, "must be a whole number", "Check the file.", line)
-        return int(number)
-
-    def number(self, text: str, field: str, line: int) -> float:
-        """Read a finite number, Fortran's exponents included."""
-        if not _NUMBER.fullmatch(text):
-            raise self.refuse(field, text, "must be a number", "Check the columns of this line.", line)
-        value = float(re.sub("[dD]", "e", text))
-        if not math.isfinite(value):
-            raise self.refuse(field, text, "must be a finite number", "Check the file.", line)
-        return value
-
-    def tables(self) -> dict[str, list[_Row]]:
-        """Return the rows of every table that is imported."""
-        found: dict[str, list[_Row]] = {}
-        title = ""
-        for i, row in enumerate(self.rows):
-            if self.titles[i].startswith("---"):
-                title = self.titles[i]
-            name = _TABLES.get(row.tokens[1].lower()) if i > 1 and len(row.tokens) > 1 else None
-            if name is None or (name == "sections" and "RECT" in title) or name in found:
-                continue
-            if not _NUMBER.fullmatch(row.tokens[0]):
-                continue  # a keyword in running text
-            count = self.integer(row.tokens[0], row.tokens[1], row.line)
-            if count < 0:
-                raise self.refuse(row.tokens[1], count, "must be at least 0", "Check the file.", row.line)
-            first = i + 3  # two lines of column names and units
-            if first + count > len(self.rows):
-                raise self.refuse(
-                    row.tokens[1], count, "is more rows than the file has", "Check the file.", row.line
-                )
-            found[name] = self.rows[first : first + count]
-        return found
-
-
-def parse_subdyn(text: str, *, source: str) -> Structure:
+def parse_subdyn(text: str, *, source: str, read: Callable[[str], str | None] = _no_files) -> Structure:
     """Return the structure that a SubDyn input file describes.
 
     Parameters
@@ -125,13 +55,15 @@ def parse_subdyn(text: str, *, source: str) -> Structure:
         The file's content.
     source : str
         Its name, for messages and as the structure's name.
+    read : callable
+        Content of a file that this one names, None where it cannot be read.
 
     Raises
     ------
     InputError
         If the file is not a SubDyn deck, or holds something that is not supported; names field and line.
     """
-    deck = _Deck(text, source)
+    deck = Deck(text, source)
     tables = deck.tables()
     for keyword, table in (("NJoints", "joints"), ("NMembers", "members"), ("NPropSets", "sections")):
         if not tables.get(table):
@@ -139,36 +71,65 @@ def parse_subdyn(text: str, *, source: str) -> Structure:
                 keyword,
                 "nothing" if table not in tables else 0,
                 "must be at least 1",
-                "Is this a SubDyn input file?",
+                "Is this a SubDyn input file of tubes?",
             )
-    joints = _joints(deck, tables["joints"])
+    joints, free = _joints(deck, tables["joints"])
     sections = _sections(deck, tables["sections"])
-    members, used = _members(deck, tables["members"], joints, sections)
-    supports = _reactions(deck, tables.get("reactions", []), joints)
+    beams, links = _members(deck, tables["members"], joints, sections)
+    if not beams:
+        raise deck.refuse("NMembers", len(links), "are all rigid links", "A structure needs a beam.")
+    _release(deck, beams, links, free)
+    supports, springs = _reactions(deck, tables.get("reactions", []), joints, read)
     interface = _interface(deck, tables.get("interface", []), joints)
     places = [joints[name] for name in interface]
     reference = [sum(p[i] for p in places) / len(places) for i in (0, 1)] + [max(p[2] for p in places)]
+    masses = concentrated_masses(deck, tables.get("masses", []), joints)
+    add_link_masses(deck, tables.get("rigid", []), links, joints, masses)
     return parse_structure(
         {
             "name": source,
             "description": "Imported from a SubDyn input file",
             "sources": [source],
+            "notes": _notes(deck, reference),
             "beam": _element_model(deck),
             "rotary_inertia": True,
             "elements_per_member": _subdivision(deck),
-            "mudline_z_m": min(joints[name][2] for name in supports),
-            "sections": {name: sections[name] for name in used},
+            "mudline_z_m": min(joints[name][2] for name in {**supports, **springs}),
+            "sections": {
+                name: sections[name]
+                for name in dict.fromkeys(s for beam in beams.values() for s in _sections_of(beam))
+            },
             "joints": joints,
-            "members": members,
+            "members": beams,
             "supports": supports,
+            "support_springs": springs,
+            "rigid_links": {name: {"joints": ends} for name, (ends, _) in links.items()},
             "interface": {"joints": interface, "reference_m": reference},
-            "point_masses": _masses(deck, tables.get("masses", []), joints),
+            "point_masses": masses,
         },
         source=source,
     )
 
 
-def _element_model(deck: _Deck) -> str:
+def _sections_of(beam: dict[str, Any]) -> list[str]:
+    return [beam[key] for key in ("section", "section_last") if key in beam]
+
+
+def _notes(deck: Deck, reference: list[float]) -> list[str]:
+    """What the deck holds that is no part of the structure, or that it leaves open."""
+    place = ", ".join(f"{x:g}" for x in reference)
+    notes = [f"position of the transition piece, which a deck does not hold: taken as ({place}) m"]
+    for keyword, what in (
+        ("JDampings", "damping ratios of its modes"),
+        ("GuyanDampMod", "damping of its static modes"),
+    ):
+        row = deck.keyword(keyword)
+        if row is not None and row.tokens[0].strip("\"'").lower() not in ("0", "0.0"):
+            notes.append(f"{keyword} ({what}): damping is that of the case")
+    return notes
+
+
+def _element_model(deck: Deck) -> str:
     row = deck.keyword("FEMMod")
     if row is None:
         raise deck.refuse("FEMMod", "nothing", "is missing", "Is this a SubDyn input file?")
@@ -184,7 +145,7 @@ def _element_model(deck: _Deck) -> str:
     return _BEAM[model]
 
 
-def _subdivision(deck: _Deck) -> int:
+def _subdivision(deck: Deck) -> int:
     row = deck.keyword("NDiv")
     if row is None:
         raise deck.refuse("NDiv", "nothing", "is missing", "Is this a SubDyn input file?")
@@ -194,60 +155,68 @@ def _subdivision(deck: _Deck) -> int:
     return count
 
 
-def _identifier(deck: _Deck, row: _Row, field: str, prefix: str, column: int = 0) -> str:
-    if len(row.tokens) <= column:
-        raise deck.refuse(field, "nothing", "is missing", "Check the number of rows of the table.", row.line)
-    return f"{prefix}{deck.integer(row.tokens[column], field, row.line)}"
-
-
-def _columns(deck: _Deck, row: _Row, names: tuple[str, ...], first: int = 1) -> list[float]:
-    """Read the columns `names` of a row."""
-    if len(row.tokens) < first + len(names):
-        missing = names[max(len(row.tokens) - first, 0)]
-        raise deck.refuse(missing, "nothing", "is missing", "Check the columns of this line.", row.line)
-    return [deck.number(row.tokens[first + i], name, row.line) for i, name in enumerate(names)]
-
-
-def _new(deck: _Deck, name: str, table: dict[str, Any], field: str, line: int) -> None:
-    if name in table:
-        raise deck.refuse(field, name[1:], "is given twice", "Number them uniquely.", line)
-
-
-def _known(deck: _Deck, name: str, joints: dict[str, list[float]], field: str, line: int) -> None:
-    if name not in joints:
-        raise deck.refuse(field, name[1:], "is not a joint of this file", "Check the joint table.", line)
-
-
-def _joints(deck: _Deck, rows: list[_Row]) -> dict[str, list[float]]:
-    joints: dict[str, list[float]] = {}
+def _joints(deck: Deck, rows: list[Row]) -> tuple[Points, dict[str, dict[str, Any]]]:
+    """Positions, and the release of the joints that are not cantilever joints."""
+    joints: Points = {}
+    free: dict[str, dict[str, Any]] = {}
     for row in rows:
-        name = _identifier(deck, row, "JointID", "J")
-        _new(deck, name, joints, "JointID", row.line)
-        joints[name] = _columns(deck, row, ("JointXss", "JointYss", "JointZss"))
-        if len(row.tokens) > 4:
-            kind = deck.integer(row.tokens[4], "JointType", row.line)
-            if kind != 1:
-                raise deck.refuse(
-                    "JointType",
-                    kind,
-                    "must be 1 (cantilever)",
-                    "Universal, pin and ball joints are not supported.",
-                    row.line,
-                )
-    return joints
+        name = deck.identifier(row, "JointID", "J")
+        deck.new(name, joints, "JointID", row.line)
+        joints[name] = deck.columns(row, ("JointXss", "JointYss", "JointZss"))
+        if len(row.tokens) <= 4:
+            continue
+        kind = deck.integer(row.tokens[4], "JointType", row.line)
+        if kind not in (1, 3, 4):
+            raise deck.refuse(
+                "JointType",
+                kind,
+                "must be 1 (cantilever), 3 (revolute) or 4 (spherical)",
+                "Universal joints are not supported.",
+                row.line,
+            )
+        if kind == 1:
+            continue
+        given = ("JointDirX", "JointDirY", "JointDirZ", "JointStiff")
+        *direction, stiffness = deck.columns(row, given, first=5)
+        if stiffness < 0.0:
+            raise deck.refuse("JointStiff", stiffness, "must be at least 0", "Check the file.", row.line)
+        free[name] = {"stiffness_nm_rad": stiffness}
+        if kind == 3:
+            if not any(direction):
+                raise deck.refuse("JointDirX", 0, "is no direction", "Give the hinge's.", row.line)
+            free[name]["hinge"] = direction
+    return joints, free
 
 
-def _sections(deck: _Deck, rows: list[_Row]) -> dict[str, dict[str, float]]:
+def _release(
+    deck: Deck, beams: dict[str, Any], links: dict[str, Any], free: dict[str, dict[str, Any]]
+) -> None:
+    """Release all beams but one at each revolute or spherical joint, all where a rigid link ends there."""
+    for joint, release in free.items():
+        ends = [(beam, side) for beam in beams.values() for side in (0, 1) if beam["joints"][side] == joint]
+        rigid = sum(joint in joints for joints, _ in links.values())
+        if rigid > 1 or (release["stiffness_nm_rad"] > 0.0 and len(ends) + rigid > 2):
+            raise deck.refuse(
+                f"JointType of joint {joint[1:]}",
+                len(ends) + rigid,
+                "members meet there: more than one rigid link, or more than two on a sprung joint",
+                "Divide the joint.",
+            )
+        for beam, side in ends[0 if rigid else 1 :]:
+            beam[("release_first", "release_last")[side]] = release
+
+
+def _sections(deck: Deck, rows: list[Row]) -> dict[str, dict[str, float]]:
     sections: dict[str, dict[str, float]] = {}
     for row in rows:
-        name = _identifier(deck, row, "PropSetID", "P")
-        _new(deck, name, sections, "PropSetID", row.line)
-        young, shear, density, diameter, thickness = _columns(
-            deck, row, ("YoungE", "ShearG", "MatDens", "XsecD", "XsecT")
+        name = deck.identifier(row, "PropSetID", "P")
+        deck.new(name, sections, "PropSetID", row.line)
+        young, shear, density, diameter, thickness = deck.columns(
+            row, ("YoungE", "ShearG", "MatDens", "XsecD", "XsecT")
         )
         sections[name] = {
             "diameter_m": diameter,
-            "thickness_m": thickness,
+            "thickness_m": thickness if thickness != 0.0 else 0.5 * diameter,  # 0 is a solid bar
             "youngs_modulus_pa": young,
             "shear_modulus_pa": shear,
             "density_kg_m3": density,
@@ -256,125 +225,123 @@ def _sections(deck: _Deck, rows: list[_Row]) -> dict[str, dict[str, float]]:
 
 
 def _members(
-    deck: _Deck,
-    rows: list[_Row],
-    joints: dict[str, list[float]],
-    sections: dict[str, dict[str, float]],
-) -> tuple[dict[str, Any], list[str]]:
-    """Members, and the sections that they use."""
-    members: dict[str, Any] = {}
-    used: dict[str, None] = {}
-    header = [token.lower() for token in deck.rows[rows[0].line - 3].tokens]
+    deck: Deck, rows: list[Row], joints: Points, sections: dict[str, dict[str, float]]
+) -> tuple[dict[str, Any], dict[str, tuple[list[str], tuple[str, int]]]]:
+    """Beams, and rigid links with their joints, property set and line."""
+    beams: dict[str, Any] = {}
+    links: dict[str, tuple[list[str], tuple[str, int]]] = {}
+    header = deck.header(rows)
     typed = "mtype" in header or len(header) > 6  # older files have COSMID there, and beams only
     for row in rows:
-        name = _identifier(deck, row, "MemberID", "M")
-        _new(deck, name, members, "MemberID", row.line)
-        kind = row.tokens[5].lower() if typed and len(row.tokens) > 5 else "1c"
-        if kind not in ("1", "1c"):
-            what = _OTHER_MEMBERS.get(kind, "of an unknown kind")
-            raise deck.refuse(
-                "MType", kind, f"is {what}: only circular beams are supported", "Use 1c.", row.line
-            )
-        ends = [_identifier(deck, row, f"MJointID{i}", "J", i) for i in (1, 2)]
+        name = deck.identifier(row, "MemberID", "M")
+        deck.new(name, ChainMap(beams, links), "MemberID", row.line)
+        ends = [deck.identifier(row, f"MJointID{i}", "J", i) for i in (1, 2)]
         for i, joint in enumerate(ends):
-            _known(deck, joint, joints, f"MJointID{i + 1}", row.line)
-        pair = [_identifier(deck, row, f"MPropSetID{i}", "P", i + 2) for i in (1, 2)]
+            deck.known(joint, joints, f"MJointID{i + 1}", row.line)
+        pair = [deck.identifier(row, f"MPropSetID{i}", "P", i + 2) for i in (1, 2)]
+        kind = row.tokens[5].lower() if typed and len(row.tokens) > 5 else "1"
+        if kind == "3":
+            links[name] = (ends, (pair[0], row.line))
+            continue
+        if kind not in ("1", "1c"):
+            raise deck.refuse(
+                "MType",
+                kind,
+                f"is {_OTHER_MEMBERS.get(kind, 'unknown')}; only circular beams (1, 1c) and rigid links (3) "
+                "are supported",
+                "Replace the member.",
+                row.line,
+            )
         for i, section in enumerate(pair):
             if section not in sections:
                 raise deck.refuse(
                     f"MPropSetID{i + 1}",
                     section[1:],
                     "is not a circular property set of this file",
-                    "Rectangular and arbitrary sections, cables, rigid links and springs are not supported.",
+                    "Rectangular and arbitrary sections, cables and springs are not supported.",
                     row.line,
                 )
+        beams[name] = {"joints": ends, "section": pair[0]}
         if sections[pair[0]] != sections[pair[1]]:
-            raise deck.refuse(
-                "MPropSetID2",
-                pair[1][1:],
-                f"differs from set {pair[0][1:]} at the other end",
-                "Tapered members are not supported: divide the member into steps.",
-                row.line,
-            )
-        members[name] = {"joints": ends, "section": pair[0]}
-        used[pair[0]] = None
-    return members, list(used)
+            beams[name]["section_last"] = pair[1]
+    return beams, links
 
 
-def _flags(deck: _Deck, row: _Row, names: tuple[str, ...]) -> list[bool]:
-    flags = []
-    for name, text in zip(names, row.tokens[1:7], strict=False):
-        if text.lower() not in ("0", "1", "t", "f", "true", "false"):
-            raise deck.refuse(name, text, "must be 0 or 1", "Check the columns of this line.", row.line)
-        flags.append(text.lower() in ("1", "t", "true"))
-    return flags
-
-
-def _reactions(deck: _Deck, rows: list[_Row], joints: dict[str, list[float]]) -> dict[str, list[bool]]:
+def _reactions(
+    deck: Deck, rows: list[Row], joints: Points, read: Callable[[str], str | None]
+) -> tuple[dict[str, list[bool]], dict[str, Any]]:
+    """Fixed directions, and soil springs."""
     if not rows:
         raise deck.refuse("NReact", 0, "must be at least 1", "A structure without supports is a mechanism.")
     names = ("RctTDXss", "RctTDYss", "RctTDZss", "RctRDXss", "RctRDYss", "RctRDZss")
     supports: dict[str, list[bool]] = {}
+    springs: dict[str, Any] = {}
     for row in rows:
-        name = _identifier(deck, row, "RJointID", "J")
-        _new(deck, name, supports, "RJointID", row.line)
-        _known(deck, name, joints, "RJointID", row.line)
-        flags = _flags(deck, row, names)
+        name = deck.identifier(row, "RJointID", "J")
+        deck.new(name, {**supports, **springs}, "RJointID", row.line)
+        deck.known(name, joints, "RJointID", row.line)
+        flags = deck.flags(row, names)
         if len(flags) < 6:
             raise deck.refuse(names[len(flags)], "nothing", "is missing", "Give six flags.", row.line)
-        if len(row.tokens) > 7 and row.tokens[7].strip("\"' ").lower() not in ("", "none", "unused"):
-            raise deck.refuse(
-                "SSIfile",
-                row.tokens[7],
-                "is not supported",
-                "Clamp the joint, or model the soil as members.",
-                row.line,
-            )
-        if not any(flags):
+        file = row.tokens[7].strip("\"' ") if len(row.tokens) > 7 else ""
+        if file.lower() not in ("", "none", "unused"):
+            springs[name] = {"stiffness": _soil(deck, file, row.line, read)}
+        elif not any(flags):
             raise deck.refuse("RctTDXss", 0, "leaves the joint free in all directions", "Fix some.", row.line)
-        supports[name] = flags
-    return supports
+        if any(flags):
+            supports[name] = flags
+    return supports, springs
 
 
-def _interface(deck: _Deck, rows: list[_Row], joints: dict[str, list[float]]) -> list[str]:
+def _soil(deck: Deck, file: str, line: int, read: Callable[[str], str | None]) -> list[list[float]]:
+    """Stiffness matrix of an SSI file: lines of value and name, symmetric, zero where nothing is given."""
+    text = read(file)
+    if text is None:
+        raise deck.refuse("SSIfile", file, "cannot be read", "Put it beside the deck.", line)
+    soil = Deck(text, file)
+    matrix = np.zeros((6, 6))
+    given = False
+    for row in soil.rows:
+        name = row.tokens[1].lower() if len(row.tokens) > 1 else ""
+        if name in _SOIL_MASS and soil.number(row.tokens[0], name, row.line) != 0.0:
+            raise soil.refuse(
+                row.tokens[1], row.tokens[0], "is not supported", "Use a concentrated mass.", row.line
+            )
+        if name in _SPRING:
+            i, j = _SPRING[name]
+            matrix[i, j] = matrix[j, i] = soil.number(row.tokens[0], row.tokens[1], row.line)
+            given = True
+    if not given:
+        raise deck.refuse("SSIfile", file, "holds no stiffness", "Give lines like `1e9 Kxx`.", line)
+    rows: list[list[float]] = matrix.tolist()
+    return rows
+
+
+def _interface(deck: Deck, rows: list[Row], joints: Points) -> list[str]:
     if not rows:
         raise deck.refuse("NInterf", 0, "must be at least 1", "Name the joints of the transition piece.")
     names = ("ItfTDXss", "ItfTDYss", "ItfTDZss", "ItfRDXss", "ItfRDYss", "ItfRDZss")
     interface: dict[str, None] = {}
     pieces = set()
+    second = deck.header(rows)[1:2] == ["tpid"]  # newer files name the transition piece before the flags
     for row in rows:
-        name = _identifier(deck, row, "IJointID", "J")
-        _new(deck, name, interface, "IJointID", row.line)
-        _known(deck, name, joints, "IJointID", row.line)
+        name = deck.identifier(row, "IJointID", "J")
+        deck.new(name, interface, "IJointID", row.line)
+        deck.known(name, joints, "IJointID", row.line)
         n = len(row.tokens)
         flagged = n >= 7
-        if flagged and not all(_flags(deck, row, names)):
+        first = 2 if second and n >= 8 else 1
+        if flagged and not all(deck.flags(row, names, first)):
             raise deck.refuse(
                 "ItfTDXss",
-                row.tokens[1:7],
+                row.tokens[first : first + 6],
                 "must be locked in all six directions",
                 "A partly free interface is not supported.",
                 row.line,
             )
         if n == 2 or n >= 8:
-            pieces.add(row.tokens[7] if flagged else row.tokens[1])
+            pieces.add(row.tokens[1 if n == 2 or first == 2 else 7])
         interface[name] = None
     if len(pieces) > 1:
         raise deck.refuse("TPID", sorted(pieces), "must be one transition piece", "Import one at a time.")
     return list(interface)
-
-
-def _masses(deck: _Deck, rows: list[_Row], joints: dict[str, list[float]]) -> dict[str, Any]:
-    masses: dict[str, Any] = {}
-    diagonal = ("JMass", "JMXX", "JMYY", "JMZZ")
-    others = ("JMXY", "JMXZ", "JMYZ", "MCGX", "MCGY", "MCGZ")
-    for row in rows:
-        name = _identifier(deck, row, "CMJointID", "J")
-        _new(deck, name, masses, "CMJointID", row.line)
-        _known(deck, name, joints, "CMJointID", row.line)
-        mass, *inertia = _columns(deck, row, diagonal)
-        more = _columns(deck, row, others, first=5) if len(row.tokens) > 5 else [0.0] * 6
-        if mass < 0.0:
-            raise deck.refuse("JMass", mass, "must be at least 0 kg", "Check the file.", row.line)
-        masses[name] = {"mass_kg": mass, "inertia_kg_m2": inertia + more[:3], "offset_m": more[3:]}
-    return masses

@@ -142,8 +142,127 @@ def test_old_files_have_a_cosine_matrix_where_the_member_type_is_now():
         "MPropSetID2 MType COSMID", "MPropSetID2 COSMID"
     )
     assert parse(old).content_hash == parse(deck()).content_hash
-    with pytest.raises(InputError, match="MType"):
+    with pytest.raises(InputError, match="rigid links"):
         parse(deck(MEMBERS=PARTS["MEMBERS"].replace("1c 0", "3")))
+
+
+def test_tapered_members():
+    s = parse(deck(MEMBERS=PARTS["MEMBERS"].replace("5 4 7 2 2", "5 4 7 2 1")))
+    assert (s.members["M5"].section, s.members["M5"].section_last) == ("P2", "P1")
+    text = deck(MEMBERS=PARTS["MEMBERS"].replace("5 4 7 2 2", "5 4 7 2 1"))
+    other = text.replace("2.1e11    8.0769e10   7850.0   0.8", "2.1e11    8.1e10   7850.0   0.8")
+    with pytest.raises(InputError, match=r"section_last.*shear_modulus"):
+        parse(other)
+
+
+RIGID = """----------------------- RIGID LINK PROPERTIES ----------------------------
+             1   NRigidPropSets - Number of rigid link properties
+PropSetID   MatDens
+  (-)       (kg/m)
+   9        @DENSITY@
+------------------------ JOINT ADDITIONAL"""
+
+
+def with_link(density):
+    text = deck(MEMBERS=PARTS["MEMBERS"].replace("5 4 7 2 2 1c 0", "5 4 7 9 9 3 -1"))
+    return text.replace("------------------------ JOINT ADDITIONAL", RIGID.replace("@DENSITY@", density))
+
+
+def test_rigid_links_and_their_mass():
+    """A rod of 120 kg/m over (2, 1, 2) m joins the body at its first joint: total, centre and inertia."""
+    light = parse(with_link("0"))
+    assert light.rigid_links["M5"].joints == ("J4", "J7")
+    assert "M5" not in light.members
+    assert light.point_masses["J4"].mass_kg == 5e3
+    body, rod = parse(with_link("120")).point_masses["J4"], 120.0 * 3.0
+    assert body.mass_kg == pytest.approx(5e3 + rod, rel=1e-14)
+    x, y = (5e3 * 0.5 + rod * 1.0) / body.mass_kg, (5e3 * 0.6 + rod * 0.5) / body.mass_kg
+    assert body.offset_m[:2] == pytest.approx((x, y), rel=1e-14)
+    # about the joint: Steiner of the body, and m L^2/3 of the rod for its end
+    z = body.offset_m[2]
+    about_joint = body.inertia_kg_m2[0] + body.mass_kg * (y**2 + z**2)
+    assert about_joint == pytest.approx(1.0 + 5e3 * (0.6**2 + 0.7**2) + rod * (1.0 + 4.0) / 3.0, rel=1e-12)
+    for wrong in ("-1", "dense"):
+        with pytest.raises(InputError, match="MatDens"):
+            parse(with_link(wrong))
+
+
+def test_revolute_and_spherical_joints():
+    """All members but the first are released at such a joint."""
+    text = deck().replace("10.0      1  0.0  0.0  0.0  0.0", "10.0      4  0.0  0.0  0.0  0.0")
+    s = parse(text)
+    assert s.members["M1"].releases == (None, None)
+    assert s.members["M2"].release_last.about == "xyz"
+    assert s.members["M5"].release_first.about == "xyz"
+    with pytest.raises(InputError, match=r"joint 4.*Divide"):
+        parse(text.replace("4  0.0  0.0  0.0  0.0", "4  0.0  0.0  0.0  5e6"))
+    hinge = deck().replace("7\t 2.0d0\t 1.0\t 12.0\t 1\t 0.0 0.0 0.0 0.0", "7 2.0 1.0 12.0 3 0.0 1.0 0.0 5e6")
+    more = PARTS["MEMBERS"] + "\n   6 1 7 1 1 1c 0"
+    s = parse(hinge.replace("4   NMembers", "5   NMembers").replace(PARTS["MEMBERS"], more))
+    assert s.members["M6"].release_last.hinge == (0.0, 1.0, 0.0)
+    assert s.members["M6"].release_last.stiffness_nm_rad == 5e6
+
+
+SOIL = """! soil of our own
+1.0D9   Kxx   - lateral
+1.0e9   Kyy
+4.0e9   Kzz
+-2.0e9  Kxty
+2.0e9   Kytx
+3.0e10  Ktxtx
+3.0e10  Ktyty
+1.0e10  Ktztz
+0.0     Mxx
+"""
+
+
+def test_soil_springs(tmp_path):
+    """A reaction joint on a soil file: symmetric, by name; free directions only are what it supports."""
+    path = tmp_path / "tripod.dat"
+    old, new = (
+        '   1       1        1        1        1        1        1       ""',
+        '   1  0 0 1 0 0 0  "pile.txt"',
+    )
+    assert old in deck()
+    path.write_text(deck().replace(old, new), encoding="utf-8")
+    with pytest.raises(InputError, match=r"SSIfile.*cannot be read"):
+        load_structure(str(path))
+    (tmp_path / "pile.txt").write_text(SOIL, encoding="utf-8")
+    s = load_structure(str(path))
+    matrix = s.support_springs["J1"].matrix
+    assert matrix[0][4] == matrix[4][0] == -2e9
+    assert matrix[1][3] == 2e9
+    assert matrix[2][2] == 4e9
+    assert s.supports["J1"] == (False, False, True, False, False, False)
+    for line, message in (("5.0 Mxx", "Mxx"), ("x Kxx", "Kxx"), ("-1e9 Ktztz", "must not be negative")):
+        (tmp_path / "pile.txt").write_text(f"{SOIL}{line}\n", encoding="utf-8")
+        with pytest.raises(InputError, match=message):
+            load_structure(str(path))
+    (tmp_path / "pile.txt").write_text("nothing here\n", encoding="utf-8")
+    with pytest.raises(InputError, match="no stiffness"):
+        load_structure(str(path))
+
+
+def test_number_of_the_transition_piece_before_the_flags():
+    text = deck(INTERFACE="4 2 1 1 1 1 1 1\n7 2 1 1 1 1 1 1")
+    newer = text.replace("IJointID ItfTDXss", "IJointID TPID ItfTDXss")
+    assert parse(newer).content_hash == parse(deck()).content_hash
+    with pytest.raises(InputError, match="ItfTDXss"):
+        parse(text)
+
+
+def test_what_is_left_out_is_said():
+    notes = parse(deck()).notes
+    assert any("transition piece" in note for note in notes)
+    assert any("JDampings" in note for note in notes)
+    assert not any("GuyanDampMod" in note for note in notes)
+    assert any(
+        "GuyanDampMod" in note for note in parse(deck().replace("0   GuyanDampMod", "2   GuyanDampMod")).notes
+    )
+
+
+def test_solid_bars():
+    assert parse(deck().replace("0.8   2.0E-2", "0.8   0")).sections["P2"].thickness_m == 0.4
 
 
 def test_short_mass_rows_and_other_element():
@@ -163,7 +282,9 @@ def test_numbers_separated_by_commas_and_crlf():
         ("3   FEMMod", "2   FEMMod", "FEMMod"),
         ("2   NDiv", "0   NDiv", "NDiv"),
         ("2   NDiv", "2.5   NDiv", "NDiv"),
-        ("1     8.0      0.0    -20.0      1", "1     8.0      0.0    -20.0      3", "JointType"),
+        ("1     8.0      0.0    -20.0      1", "1     8.0      0.0    -20.0      2", "JointType"),
+        ("1     8.0      0.0    -20.0      1", "1     8.0      0.0    -20.0      3", "JointDirX"),
+        ("-20.0      1  0.0  0.0  0.0  0.0", "-20.0      4  0.0  0.0  0.0  -1.0", "JointStiff"),
         ("1     8.0      0.0", "1     8.0      oops", "JointYss"),
         ("1     8.0      0.0", "1     8.0      nan", "JointYss"),
         ("1     8.0      0.0", "1     1e999      0.0", "JointXss"),
@@ -173,8 +294,7 @@ def test_numbers_separated_by_commas_and_crlf():
         ("   4  1 1 1 1 1 1", "   9  1 1 1 1 1 1", "IJointID"),
         ("5 4 7 2 2 1c 0", "5 4 7 2 2 1r 0", "MType"),
         ("5 4 7 2 2 1c 0", "5 4 7 2 2 2 0", "MType.*cable"),
-        ("5 4 7 2 2 1c 0", "5 4 7 2 2 3", "MType.*rigid link"),
-        ("5 4 7 2 2 1c 0", "5 4 7 2 1 1c 0", "MPropSetID2.*tapered|MPropSetID2.*Tapered"),
+        ("5 4 7 2 2 1c 0", "5 4 7 2 2 3", "MPropSetID1.*rigid link"),
         ("5 4 7 2 2 1c 0", "5 4 7 9 9 1c 0", "MPropSetID1"),
         ("5 4 7 2 2 1c 0", "5 4 8 2 2 1c 0", "MJointID2"),
         ("5 4 7 2 2 1c 0", "3 4 7 2 2 1c 0", "MemberID.*twice"),

@@ -146,6 +146,9 @@ class LoadBasis:
     damping : float array [loaded, 3, 3] or [0, 3, 3]
         Damping in N s/m of the nodes' translations by the drag on their own motion; empty where the case
         leaves that out.
+    spectrum : float array [vector, band] or [0, 0]
+        Variance of each vector's amplitude in equal bands from 0 to half the sampling frequency; their sum
+        over the bands is the POV. Empty where it is not known.
     """
 
     model_hash: str
@@ -156,6 +159,12 @@ class LoadBasis:
     mean: Float[np.ndarray, "loaded 6"]
     snapshots: int
     damping: Float[np.ndarray, "damped 3 3"] = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    spectrum: Float[np.ndarray, "shape band"] = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def pov(self) -> Float[np.ndarray, " vector"]:
+        """Proper orthogonal values sigma^2 / snapshots [eq. E.7]: variance that each vector carries."""
+        return np.asarray(self.singular_values**2 / self.snapshots)
 
     @property
     def variance_fraction(self) -> float:

@@ -5,6 +5,9 @@ The producer of the loads and the reduction both speak of this basis, so it live
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.linalg import blas, eigh
@@ -13,12 +16,14 @@ from scipy.sparse.linalg import eigsh, svds
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 
-__all__ = ["Scatter", "load_basis"]
+__all__ = ["BANDS", "Scatter", "clustered_basis", "load_basis"]
 
 #: Largest residual |X v - sigma u| / sigma_1 of a Lanczos vector that is accepted.
 TOLERANCE = 1e-11
 #: Up to this size the dense decomposition is the faster one.
 DENSE = 200
+#: Bands of the spectra of amplitudes, from 0 to half the sampling frequency.
+BANDS = 256
 #: Snapshots whose mean is removed at a time.
 CHUNK = 512
 
@@ -45,10 +50,10 @@ def load_basis(
     model_hash : str
         Content hash of the structure that the loads belong to.
 
-    Raises
-    ------
-    InputError
-        If the history has fewer independent shapes than `n_vectors`.
+    Returns
+    -------
+    LoadBasis
+        With fewer vectors where the history has fewer independent shapes.
     """
     n_snapshots = nodal.shape[0]
     mean = nodal.mean(axis=0)
@@ -60,8 +65,73 @@ def load_basis(
         )
     sigma, vectors = _leading(snapshots, n_vectors)
     floor = np.sqrt(variance) * np.finfo(float).eps * max(snapshots.shape)
-    vectors = _checked(sigma, vectors, n_vectors, floor)
-    return LoadBasis(model_hash, node, vectors.reshape(n_vectors, -1, 6), sigma, variance, mean, n_snapshots)
+    sigma, vectors = _kept(sigma, vectors, floor)
+    return LoadBasis(
+        model_hash=model_hash,
+        node=node,
+        vectors=vectors.reshape(len(sigma), *mean.shape),
+        singular_values=sigma,
+        total_variance=variance,
+        mean=mean,
+        snapshots=n_snapshots,
+        spectrum=_spectrum(snapshots @ vectors.T),
+    )
+
+
+def clustered_basis(
+    histories: Iterable[Float[np.ndarray, "_ _ 6"]],
+    node: Int[np.ndarray, " loaded"],
+    n_vectors: int,
+    *,
+    model_hash: str,
+) -> LoadBasis:
+    """Vectors that serve several load cases: the POD of their snapshot matrices side by side.
+
+    Of each case the mean is removed, and what is left is divided by its Frobenius norm, so that every case
+    counts the same (thesis 6.3: clusters *dir*, *hs* and *tot*; *spec* is a cluster of one case). Without it
+    the highest sea state decides alone. One case is held at a time.
+
+    Parameters
+    ----------
+    histories : iterable of float arrays [snapshot, loaded, 6]
+        Loads of the cases, all on the nodes `node`; an iterator may compute them one by one.
+    node : int array [loaded]
+        The loaded nodes.
+    n_vectors : int
+        Number of vectors to keep.
+    model_hash : str
+        Content hash of the structure that the loads belong to.
+
+    Returns
+    -------
+    LoadBasis
+        Its singular values and variance are those of the normalised snapshots (a variance of 1 per case that
+        changes in time), its mean is that of the cases' means.
+
+    Raises
+    ------
+    InputError
+        If there is no case, or one has other nodes.
+    """
+    scatter, means, snapshots = Scatter(), [], 0
+    for nodal in histories:
+        if nodal.shape[1] != len(node):
+            raise InputError(
+                "load history", nodal.shape[1], f"must have {len(node)} nodes, as the others", "Use one mesh."
+            )
+        mean = nodal.mean(axis=0)
+        fluctuation = nodal - mean
+        norm = float(np.linalg.norm(fluctuation))
+        scatter.add(fluctuation / norm if norm > 0.0 else fluctuation)
+        means.append(mean)
+        snapshots += len(nodal)
+    if not means:
+        raise InputError("load histories", 0, "must be one or more", "Give the loads of a case.")
+    return replace(
+        scatter.basis(node, n_vectors, model_hash=model_hash),
+        mean=np.mean(means, axis=0),
+        snapshots=snapshots,
+    )
 
 
 class Scatter:
@@ -99,38 +169,38 @@ class Scatter:
             self.count = total
 
     def basis(self, node: Int[np.ndarray, " loaded"], n_vectors: int, *, model_hash: str) -> LoadBasis:
-        """Return the `n_vectors` most energetic spatial vectors of all snapshots added.
-
-        Raises
-        ------
-        InputError
-            If the history has fewer independent shapes than `n_vectors`.
-        """
+        """Most energetic spatial vectors of all snapshots added: `n_vectors`, or as many as there are."""
         mean, variance = self._mean.reshape(self._shape), float(np.trace(self._matrix))
         vectors, sigma = np.zeros((0, *self._shape)), np.zeros(0)
         if n_vectors:
             value, shape = _largest(self._matrix, n_vectors)
             sigma = np.sqrt(np.maximum(value, 0.0))
             floor = np.sqrt(variance * np.finfo(float).eps * mean.size)
-            vectors = _checked(sigma, shape, n_vectors, floor).reshape(n_vectors, -1, 6)
+            sigma, shape = _kept(sigma, shape, floor)
+            vectors = shape.reshape(len(sigma), *self._shape)
         return LoadBasis(model_hash, node, vectors, sigma, variance, mean, self.count)
 
 
-def _checked(
-    sigma: Float[np.ndarray, " value"], vectors: Float[np.ndarray, "value dof"], n_vectors: int, floor: float
-) -> Float[np.ndarray, "value dof"]:
-    """Vectors with a sign of their own; refuses them if too few singular values rise above round-off."""
+def _kept(
+    sigma: Float[np.ndarray, " value"], vectors: Float[np.ndarray, "value dof"], floor: float
+) -> tuple[Float[np.ndarray, " kept"], Float[np.ndarray, "kept dof"]]:
+    """Leave out what does not rise above round-off, and give each vector a sign of its own."""
     rank = int(np.count_nonzero(sigma > floor))
-    if rank < n_vectors:
-        raise InputError(
-            "structure.reduction",
-            f"{n_vectors} MTA vectors",
-            f"needs a load history with as many independent shapes, this one has {rank}",
-            "Use fewer MTA vectors or a longer record.",
-        )
+    sigma, vectors = sigma[:rank], vectors[:rank]
     # An SVD leaves the sign open: the largest entry of each vector is made positive.
-    largest = vectors[np.arange(n_vectors), np.abs(vectors).argmax(axis=1)]
-    return np.asarray(vectors * np.sign(largest)[:, None])
+    largest = vectors[np.arange(rank), np.abs(vectors).argmax(axis=1)]
+    return sigma, np.asarray(vectors * np.sign(largest)[:, None])
+
+
+def _spectrum(amplitude: Float[np.ndarray, "snapshot shape"]) -> Float[np.ndarray, "shape band"]:
+    """Variance of each amplitude in :data:`BANDS` equal bands up to half the sampling frequency."""
+    n, n_shapes = amplitude.shape
+    power = np.abs(np.fft.rfft(amplitude, axis=0)) ** 2 / n**2
+    power[1 : (n + 1) // 2] *= 2.0  # all but frequency 0 and the folding frequency stand for two lines
+    band = np.minimum(2 * BANDS * np.arange(len(power)) // n, BANDS - 1)
+    spectrum = np.zeros((BANDS, n_shapes))
+    np.add.at(spectrum, band, power)
+    return np.ascontiguousarray(spectrum.T)
 
 
 def _largest(

@@ -7,7 +7,7 @@ import pytest
 
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
-from owt_model.pod import Scatter, load_basis
+from owt_model.pod import BANDS, Scatter, clustered_basis, load_basis
 
 RNG = np.random.default_rng(3)
 NODE = np.arange(4)
@@ -54,9 +54,17 @@ def test_mean_is_kept_apart() -> None:
     np.testing.assert_allclose(basis.mean, nodal.mean(axis=0), rtol=1e-14)
 
 
-def test_refuses_more_vectors_than_shapes() -> None:
-    with pytest.raises(InputError, match="this one has 3"):
-        load_basis(history(), NODE, 4, model_hash="h")
+def test_fewer_shapes_than_asked_for() -> None:
+    """Only what rises above round-off is kept; loads that do not change have no shape at all."""
+    nodal = history()
+    basis = load_basis(nodal, NODE, 4, model_hash="h")
+    assert basis.vectors.shape == (3, 4, 6)
+    assert residual(nodal, basis.vectors) < 1e-13
+    assert load_basis(np.zeros((50, 4, 6)), NODE, 4, model_hash="h").vectors.shape == (0, 4, 6)
+    assert load_basis(np.full((50, 4, 6), 7.0), NODE, 4, model_hash="h").vectors.shape == (0, 4, 6)
+    scatter = Scatter()
+    scatter.add(np.zeros((50, 4, 6)))
+    assert scatter.basis(NODE, 4, model_hash="h").vectors.shape == (0, 4, 6)
     assert load_basis(history(), NODE, 0, model_hash="h").vectors.shape == (0, 4, 6)
 
 
@@ -85,10 +93,11 @@ def gathered(nodal: np.ndarray, cuts: list[int], n_vectors: int) -> LoadBasis:
 @pytest.mark.parametrize(("loaded", "n"), [(4, 400), (60, 1700)])
 def test_windows_give_the_basis_of_the_whole(loaded: int, n: int) -> None:
     """Dense and Lanczos, windows of any length, also of one snapshot; a mean that drifts."""
-    shapes = np.linalg.qr(RNG.standard_normal((6 * loaded, 6 * loaded)))[0].reshape(-1, loaded, 6)
+    rng = np.random.default_rng(5)
+    shapes = np.linalg.qr(rng.standard_normal((6 * loaded, 6 * loaded)))[0].reshape(-1, loaded, 6)
     decay = 0.8 ** np.arange(6 * loaded)
-    nodal = np.tensordot(RNG.standard_normal((n, 6 * loaded)) * decay, shapes, axes=1)
-    nodal += np.linspace(0.0, 3.0, n)[:, None, None] * RNG.standard_normal((loaded, 6))
+    nodal = np.tensordot(rng.standard_normal((n, 6 * loaded)) * decay, shapes, axes=1)
+    nodal += np.linspace(0.0, 3.0, n)[:, None, None] * rng.standard_normal((loaded, 6))
     whole = load_basis(nodal, np.arange(loaded), 5, model_hash="h")
     parts = gathered(nodal, [1, 130, 131, n - 90], 5)
     assert parts.snapshots == n
@@ -99,12 +108,51 @@ def test_windows_give_the_basis_of_the_whole(loaded: int, n: int) -> None:
     # Negative control: windows that each lose their own mean, the means never brought together.
     own = np.concatenate([part - part.mean(axis=0) for part in np.split(nodal, [1, 130, 131, n - 90])])
     wrong = load_basis(own, np.arange(loaded), 5, model_hash="h")
-    assert np.abs(wrong.vectors - whole.vectors).max() > 1e-3
+    assert np.abs(wrong.vectors - whole.vectors).max() > 1e-5
 
 
-def test_windows_refuse_more_vectors_than_shapes() -> None:
+def test_windows_of_fewer_shapes() -> None:
     nodal = history()
     assert gathered(nodal, [200], 3).vectors.shape == (3, 4, 6)
     assert gathered(nodal, [200], 0).total_variance > 0.0
-    with pytest.raises(InputError, match="this one has 3"):
-        gathered(nodal, [200], 4)
+    found = gathered(nodal, [200], 4)
+    assert found.vectors.shape == (3, 4, 6)
+    assert found.spectrum.shape == (0, 0)  # not known of windows
+
+
+@pytest.mark.parametrize("n", [400, 401])
+def test_spectrum_of_the_amplitudes(n: int) -> None:
+    """Bands add up to the POV, and a cosine lies in its band alone."""
+    basis = load_basis(history(n), NODE, 3, model_hash="h")
+    np.testing.assert_allclose(basis.spectrum.sum(axis=1), basis.pov, rtol=1e-12)
+    assert basis.pov[0] != pytest.approx(basis.singular_values[0] / n, rel=1e-2)  # sigma squared, not sigma
+    shape = RNG.standard_normal((4, 6))
+    wave = np.cos(2.0 * np.pi * 0.1 * np.arange(n - n % 10))
+    one = load_basis(wave[:, None, None] * shape, NODE, 1, model_hash="h").spectrum[0]
+    assert one.argmax() == int(0.2 * BANDS)
+    assert one.max() == pytest.approx(one.sum(), rel=1e-12)
+
+
+def test_clusters_weigh_every_case_alike() -> None:
+    """A small and a large sea state of one shape each share the basis; unnormalised the large one has it."""
+    small, large = RNG.standard_normal((2, 4, 6))
+    cases = [
+        RNG.standard_normal((300, 1, 1)) * small * 1e-3,
+        RNG.standard_normal((200, 1, 1)) * large * 1e3 + 5.0,
+    ]
+    both = clustered_basis(iter(cases), NODE, 2, model_hash="h")
+    assert max(residual(case, both.vectors) for case in cases) < 1e-9
+    assert both.total_variance == pytest.approx(2.0)
+    assert both.snapshots == 500
+    one = clustered_basis(cases, NODE, 1, model_hash="h")
+    assert min(residual(case, one.vectors) for case in cases) > 0.1
+    plain = load_basis(np.concatenate(cases), NODE, 1, model_hash="h")
+    assert residual(cases[1], plain.vectors) < 1e-3  # negative control: the small case is not seen
+    alone = clustered_basis([cases[1]], NODE, 1, model_hash="h")
+    np.testing.assert_allclose(
+        alone.vectors, load_basis(cases[1], NODE, 1, model_hash="h").vectors, atol=1e-9
+    )
+    with pytest.raises(InputError, match="must be one or more"):
+        clustered_basis([], NODE, 1, model_hash="h")
+    with pytest.raises(InputError, match="must have 4 nodes"):
+        clustered_basis([np.zeros((5, 3, 6))], NODE, 1, model_hash="h")

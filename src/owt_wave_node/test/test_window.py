@@ -98,7 +98,7 @@ def test_error_estimate_is_of_the_size_of_the_error() -> None:
     exact = GridField(sea, grid).second(PLACE)
     full = CompressedSea(sea, grid).wavenumber.size
     ratios = []
-    for nodes in range(full // 2, full - 6, 2):
+    for nodes in range(30, full - 6, 6):
         field = CompressedField(CompressedSea(sea, grid, nodes=nodes))
         try:
             off = float(
@@ -107,15 +107,15 @@ def test_error_estimate_is_of_the_size_of_the_error() -> None:
         except ComputationError:
             continue  # refused
         ratios.append(off / field.error_estimate)
-    assert len(ratios) >= 3
+    assert len(ratios) >= 2
     assert max(ratios) < 3.0  # the estimate takes every pair at its worst, so it is rarely below the error
 
 
 def test_a_compression_that_is_not_accurate_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     sea = sea_of()
     grid = frequency_grid(sea.omega, dt=sea.dt, n=sea.n, order=2)
-    field = CompressedField(CompressedSea(sea, grid, nodes=16))
-    with pytest.raises(ComputationError, match="16 wave numbers"):
+    field = CompressedField(CompressedSea(sea, grid, nodes=18))
+    with pytest.raises(ComputationError, match="18 wave numbers"):
         field.elevation(PLACE)
     monkeypatch.setattr(compression, "MAX_ERROR", 10.0)
     field.elevation(PLACE)

@@ -92,7 +92,7 @@ class CompressedSea:
     bell : Bell
         Spreading kernel of windows that are shorter than the record.
     nodes : int, optional
-        Number of nodes in wave number, even; as many as round-off asks for.
+        Number of nodes in wave number, a multiple of 6; as many as round-off asks for.
 
     Raises
     ------
@@ -119,9 +119,9 @@ class CompressedSea:
         self._stretches: dict[int, Pairs] = {}
 
     def _enough(self) -> int:
-        """Even number of nodes that interpolate to round-off."""
+        """Number of nodes, a multiple of 6, that interpolate to round-off."""
         tolerance = FINE_TOLERANCE if self.bins is None else TOLERANCE
-        for count in range(16, MAX_NODES, 4):
+        for count in range(18, MAX_NODES, 6):
             if _interpolation_error(count, self.half, self.reach, self.waves.depth).max() < tolerance:
                 return count
         raise ComputationError(

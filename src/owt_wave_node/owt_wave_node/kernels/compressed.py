@@ -73,6 +73,19 @@ def _raise(count, s, weight, low, high, out):
         out[3, q + 1] += h
 
 
+@njit(cache=True, nogil=True)
+def _first_from(ascending, bound):
+    """Index of the first number not below `bound`."""
+    low, high = 0, ascending.size
+    while low < high:
+        middle = (low + high) // 2
+        if ascending[middle] < bound:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather_rows(first, last, j, at, table, a_re, a_im, depth, gravity, half, out, power):
     """Moments of the rows first <= r < last of a frequency grid: all pairs with j_m +- j_n = r.
@@ -89,7 +102,7 @@ def gather_rows(first, last, j, at, table, a_re, a_im, depth, gravity, half, out
             if side == 1 and row == 0:
                 continue  # D- of a component with itself is 0, its set-down is added elsewhere
             bound = (row + 1) // 2 if side == 0 else row + j[0]
-            for m in range(np.searchsorted(j, bound), j.size):
+            for m in range(_first_from(j, bound), j.size):
                 other = row - j[m] if side == 0 else j[m] - row
                 if other < 0:
                     break
@@ -203,22 +216,23 @@ def _add_three(a, b, c, d, e, f, x, y, z, u, v, w, out):
 def product(factor, table, out):
     """Product of factor [row, q] with the table [part, q, bin], real and imaginary, into out [row, bin].
 
-    A block of the table stays in the second-level cache; sums run in the order of q, whatever the number of
-    threads.
+    The number of q is a multiple of 3. A block of the table stays in the second-level cache; sums run in the
+    order of q, whatever the number of threads.
     """
     n_q, n_bins = table.shape[1], table.shape[2]
-    padded = -(-n_q // 3) * 3
     for start in range(0, n_bins, BLOCK):
         count = min(BLOCK, n_bins - start)
-        re, im = np.zeros((padded, count)), np.zeros((padded, count))
-        re[:n_q], im[:n_q] = table[0, :, start : start + count], table[1, :, start : start + count]
-        to_re, to_im, c = np.empty(count), np.empty(count), np.zeros(padded, dtype=np.complex128)
+        re, im = np.empty((n_q, count)), np.empty((n_q, count))
+        to_re, to_im = np.empty(count), np.empty(count)
+        for q in range(n_q):
+            for i in range(count):
+                re[q, i], im[q, i] = table[0, q, start + i], table[1, q, start + i]
         for row in range(factor.shape[0]):
-            c[:n_q] = factor[row]
-            to_re[:], to_im[:] = 0.0, 0.0
-            for q in range(0, padded, 3):
-                a, b, d = c[q].real, c[q + 1].real, c[q + 2].real
-                e, f, g = c[q].imag, c[q + 1].imag, c[q + 2].imag
+            for i in range(count):
+                to_re[i], to_im[i] = 0.0, 0.0
+            for q in range(0, n_q, 3):
+                a, b, d = factor[row, q].real, factor[row, q + 1].real, factor[row, q + 2].real
+                e, f, g = factor[row, q].imag, factor[row, q + 1].imag, factor[row, q + 2].imag
                 x, y, z, u, v, w = re[q], re[q + 1], re[q + 2], im[q], im[q + 1], im[q + 2]
                 _add_three(a, b, d, -e, -f, -g, x, y, z, u, v, w, to_re)
                 _add_three(e, f, g, a, b, d, x, y, z, u, v, w, to_im)
@@ -251,5 +265,5 @@ def warm_up() -> None:
     spread_pairs(0, 5, -2, 0.1, 2, 5.0, table, a, a, 50.0, 9.81, 1.0, out, power)
     grid, rows = np.zeros((9, 2)), np.zeros((2, 2), dtype=complex)
     spread_rows(a * 0.1, rows, 0.0, 0.1, -3, 2, 5.0, grid, grid.copy())
-    product(np.ones((1, 5), dtype=complex), np.ones((2, 5, 3)), np.empty((1, 3), dtype=complex))
+    product(np.ones((1, 3), dtype=complex), np.ones((2, 3, 3)), np.empty((1, 3), dtype=complex))
     finish(np.zeros((1, 4, 3)), 1, np.ones(3), np.ones(3), 2, np.zeros((1, 4, 3)))

@@ -13,6 +13,7 @@ from owt_wave_node.core.grid import frequency_grid
 from owt_wave_node.core.kinematics import wave_kinematics
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Waves, build_sea_state, waves
+from proofs import directional
 
 X, Z = np.array([0.0, 3.7, -8.0]), np.array([-1.0, -27.0, 1.5])
 PLACE = np.column_stack([X, np.zeros(3), Z])
@@ -168,3 +169,11 @@ def test_profile_without_end_is_refused(recorded) -> None:
     case = recorded("C", points_m=[[0.0, 0.0, 80.0]], wave={"order": 2, "stretching": "none"})
     with pytest.raises(InputError, match=r"wave\.stretching = 'none'"):
         wave_kinematics(case)
+
+
+def test_repeated_frequencies_between_gaps_are_not_consecutive() -> None:
+    """As many components as there are bins from the first to the last, some bins twice and some left out."""
+    multiple = [10, 10, 14, 14, 15, 18, 18, 19, 19, 19, 20]
+    crossing = directional.sea(multiple, np.linspace(-140.0, 130.0, len(multiple)).tolist(), depth=6.0)
+    assert multiple[-1] - multiple[0] == len(multiple) - 1
+    assert directional.different(component_field(crossing), directional.BothSums(crossing)) < 1e-11

@@ -219,7 +219,9 @@ def level_velocity(x, y, z, k_x, k_y, amplitude, depth, tables, listed, j, slots
     work, powers = np.empty((5, size)), np.empty(size, dtype=np.int64)
     p_re, p_im = np.empty(size), np.empty(size)
     # Where j are consecutive both j_m + j_n and size - (j_m - j_n) run with n, and rows add without scatter.
-    dense = not listed and j[size - 1] - j[0] == size - 1 and j[0] > 0
+    dense = not listed and j[0] > 0
+    for m in range(1, size):
+        dense = dense and j[m] == j[m - 1] + 1
     total, back = np.zeros((points, 3, 2, n_slots)), np.zeros((points, 3, 2, size + 1 if dense else 0))
     strongest = 0.0
     for m in range(size):

@@ -2,7 +2,8 @@
 
 A free end is a joint with one member that is neither supported nor tied to the interface. With n along the
 member, F = [rho end_cd A / 2 |v.n| v.n + rho end_ca V a.n] n, A the area of the disc and V = 2/3 pi (D/2)^3
-that of half a sphere, the reference volume of HydroDyn's joints. It acts while the joint is under water.
+that of half a sphere, the reference volume of HydroDyn and QBlade, which add the dynamic pressure on the
+disc: it is left out here. The load acts while the joint is under water.
 """
 
 from __future__ import annotations

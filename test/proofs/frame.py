@@ -1,4 +1,4 @@
-"""Beams, springs, releases and rigid links: closed forms of structural mechanics, and SubDyn's monopile."""
+"""Beams, springs, releases and rigid links: closed forms of structural mechanics."""
 
 from __future__ import annotations
 
@@ -248,30 +248,6 @@ def tapered(elements: int) -> float:
     return float(abs(found * EA / (2.0 * LENGTH) - 1.0))
 
 
-def monopile(variant: dict[str, Any]) -> float:
-    """Error of the frequencies that SubDyn prints for the OC3 monopile below its transition piece."""
-    tube = {
-        "diameter_m": 6.0,
-        "thickness_m": 0.06,
-        "youngs_modulus_pa": 2.1e11,
-        "shear_modulus_pa": 8.08e10,
-        "density_kg_m3": 8500.0,
-    }
-    levels = {"1": -20.0001, "2": -10.0, "3": 0.0, "4": 10.0}
-    structure = mast(
-        3,
-        sections={"tube": tube},
-        joints={name: [0.0, 0.0, z] for name, z in levels.items()},
-        members={f"M{i}": {"joints": [str(i), str(i + 1)], "section": "tube"} for i in (1, 2, 3)},
-        supports={"1": CLAMPED},
-        interface={"joints": ["4"], "reference_m": [0.0, 0.0, 10.0]},
-        **({"beam": "timoshenko", "rotary_inertia": True} | variant),
-    )
-    printed = [6.072686, 6.072686, 25.72555, 28.32034, 28.32034, 41.47330, 58.59113, 58.59113, 77.96200]
-    found = eigen_report(structure, n_modes=9)["frequencies_hz"]
-    return float(np.abs(np.array(found) / printed - 1.0).max())
-
-
 PROOFS = (
     Proof(
         key="consistent-mass-rate",
@@ -372,18 +348,5 @@ PROOFS = (
         wrong={"one element": 1},
         allowed=1e-3,
         reason="steps of 32 elements, squared",
-    ),
-    Proof(
-        key="subdyn-monopile",
-        claim="Frequencies of the OC3 monopile",
-        against="SubDyn, OpenFAST r-test 5MW_OC3Mnpl_Linear (seven digits)",
-        error=monopile,
-        right={},
-        wrong={
-            "Euler-Bernoulli": {"beam": "euler-bernoulli"},
-            "no rotary inertia": {"rotary_inertia": False},
-        },
-        allowed=1e-6,
-        reason="digits printed",
     ),
 )

@@ -83,6 +83,9 @@ class Structure(Frozen):
     supports: dict[str, Fixity] = Field(
         default_factory=dict, description="joint: six flags, true for a fixed degree of freedom"
     )
+    free: bool = Field(
+        False, description="no supports needed: only the modes with the interface held are of interest"
+    )
     support_springs: dict[str, SupportSpring] = Field(default_factory=dict, description="elastic supports")
     rigid_links: dict[str, RigidLink] = Field(default_factory=dict)
     interface: Interface
@@ -133,7 +136,7 @@ class Structure(Frozen):
         for name, link in self.rigid_links.items():
             for joint in link.joints:
                 known(f"rigid_links.{name}.joints", joint, self.joints, "joint")
-        if not self.supports and not self.support_springs:
+        if not (self.supports or self.support_springs or self.free):
             raise InputError(
                 "supports", {}, "must name at least one joint", "A free structure is a mechanism."
             )

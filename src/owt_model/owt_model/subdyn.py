@@ -90,11 +90,11 @@ def parse_subdyn(text: str, *, source: str, read: Callable[[str], str | None] = 
             "name": source,
             "description": "Imported from a SubDyn input file",
             "sources": [source],
-            "notes": _notes(deck, reference),
+            "notes": _notes(deck, reference, free=not (supports or springs)),
             "beam": _element_model(deck),
             "rotary_inertia": True,
             "elements_per_member": _subdivision(deck),
-            "mudline_z_m": min(joints[name][2] for name in {**supports, **springs}),
+            "mudline_z_m": min(joints[name][2] for name in ({**supports, **springs} or joints)),
             "sections": {
                 name: sections[name]
                 for name in dict.fromkeys(s for beam in beams.values() for s in _sections_of(beam))
@@ -102,6 +102,7 @@ def parse_subdyn(text: str, *, source: str, read: Callable[[str], str | None] = 
             "joints": joints,
             "members": beams,
             "supports": supports,
+            "free": not (supports or springs),
             "support_springs": springs,
             "rigid_links": {name: {"joints": ends} for name, (ends, _) in links.items()},
             "interface": {"joints": interface, "reference_m": reference},
@@ -115,17 +116,21 @@ def _sections_of(beam: dict[str, Any]) -> list[str]:
     return [beam[key] for key in ("section", "section_last") if key in beam]
 
 
-def _notes(deck: Deck, reference: list[float]) -> list[str]:
+def _notes(deck: Deck, reference: list[float], *, free: bool) -> list[str]:
     """What the deck holds that is no part of the structure, or that it leaves open."""
     place = ", ".join(f"{x:g}" for x in reference)
     notes = [f"position of the transition piece, which a deck does not hold: taken as ({place}) m"]
+    if free:
+        notes.append("NReact is 0: only modes with the interface held")
     for keyword, what in (
         ("JDampings", "damping ratios of its modes"),
         ("GuyanDampMod", "damping of its static modes"),
     ):
-        row = deck.keyword(keyword)
-        if row is not None and row.tokens[0].strip("\"'").lower() not in ("0", "0.0"):
-            notes.append(f"{keyword} ({what}): damping is that of the case")
+        for row in deck.rows:  # several damping ratios may stand before their keyword
+            names = [token.lower() for token in row.tokens]
+            if keyword.lower() in names and row.tokens[0].strip("\"'").lower() not in ("0", "0.0"):
+                notes.append(f"{keyword} ({what}): damping is that of the case")
+                break
     return notes
 
 
@@ -271,8 +276,6 @@ def _reactions(
     deck: Deck, rows: list[Row], joints: Points, read: Callable[[str], str | None]
 ) -> tuple[dict[str, list[bool]], dict[str, Any]]:
     """Fixed directions, and soil springs."""
-    if not rows:
-        raise deck.refuse("NReact", 0, "must be at least 1", "A structure without supports is a mechanism.")
     names = ("RctTDXss", "RctTDYss", "RctTDZss", "RctRDXss", "RctRDYss", "RctRDZss")
     supports: dict[str, list[bool]] = {}
     springs: dict[str, Any] = {}

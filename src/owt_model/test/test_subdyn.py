@@ -261,6 +261,16 @@ def test_what_is_left_out_is_said():
     )
 
 
+def test_no_reaction_joints():
+    """Such a deck is of use with its interface held only, and says so."""
+    text = deck().replace("3   NReact", "0   NReact")
+    s = parse(text)
+    assert s.free
+    assert not parse(deck()).free
+    assert any("NReact" in note for note in s.notes)
+    assert s.mudline_z_m == -21.0
+
+
 def test_solid_bars():
     assert parse(deck().replace("0.8   2.0E-2", "0.8   0")).sections["P2"].thickness_m == 0.4
 
@@ -302,7 +312,7 @@ def test_numbers_separated_by_commas_and_crlf():
         ("   4  5.0e3", "   6  5.0e3", "CMJointID"),
         ("4   NMembers", "400   NMembers", "NMembers"),
         ("5   NJoints", "-1   NJoints", "NJoints"),
-        ("3   NReact", "0   NReact", "NReact"),
+        ("3   NReact", "-1   NReact", "NReact"),
         ("2   NInterf", "0   NInterf", "NInterf"),
         ("FEMMod", "FEMModel", "FEMMod"),
         ("   2       1        1        1 ", "   2       1        1        x ", "RctTDZss"),

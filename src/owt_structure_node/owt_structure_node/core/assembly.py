@@ -93,7 +93,7 @@ def element_stiffness(mesh: Mesh) -> Float[np.ndarray, "element 12 12"]:
     return stiffness(length, *section, *modulus, shear)
 
 
-def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0) -> Assembly:
+def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0, interface_held: bool = False) -> Assembly:
     """Assemble stiffness and mass of `mesh`.
 
     Parameters
@@ -102,6 +102,8 @@ def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0) -> Assembly:
         From :func:`owt_model.mesh.build_mesh`.
     jacket_stiffness_factor : float
         Factor on the stiffness of the members, not on the tower (the thesis' frequency model has 0.37).
+    interface_held : bool
+        Accept a structure that only the interface holds: for what is done with the interface fixed.
 
     Raises
     ------
@@ -109,7 +111,7 @@ def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0) -> Assembly:
         If supports or releases leave a part of the structure free to move, or if it buckles under its
         own weight.
     """
-    check_supports(mesh)
+    check_supports(mesh, interface_held=interface_held)
     nodes = expansion(mesh)
     transform = element_transformation(mesh)
     tower = mesh.is_tower
@@ -126,7 +128,9 @@ def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0) -> Assembly:
 
     members = csr_array(_scatter(mesh, element_k, ~tower) + spring_stiffness(mesh))
     upper = _scatter(mesh, element_k, tower)
-    check_releases(mesh, nodes, reduce(csr_array(members + upper)))
+    internal = int(mesh.node_dof[mesh.transition_piece, 0])
+    moving = slice(internal if interface_held else None)
+    check_releases(mesh, nodes[:, moving], reduce(csr_array(members + upper))[moving, moving])
     state = mesh.structure.static_state
     if state is not None and state.p_delta:
         at_rest = rest(mesh, state, nodes, local_k, transform, csr_array(members + upper))
@@ -139,7 +143,7 @@ def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0) -> Assembly:
         jacket_mass=reduce(csr_array(_scatter(mesh, element_m, ~tower) + jacket_body)),
         upper_stiffness=reduce(upper),
         upper_mass=reduce(csr_array(_scatter(mesh, element_m, tower) + upper_body)),
-        internal=int(mesh.node_dof[mesh.transition_piece, 0]),
+        internal=internal,
         mass_kg=totals,
     )
     if state is not None and state.p_delta:

@@ -24,6 +24,9 @@ from owt_structure_node.core.static import weights
 
 __all__ = ["eigen_report", "log_decrement"]
 
+#: Share of the stiffness that the weights must take in some motion for a buckling factor to mean anything.
+_RELIEF = 1e-9
+
 
 def log_decrement(damping_ratio: Float[np.ndarray, " mode"]) -> Float[np.ndarray, " mode"]:
     """Logarithmic decrement 2 pi zeta / sqrt(1 - zeta^2); infinite where nothing oscillates."""
@@ -87,7 +90,11 @@ def eigen_report(
     damping = Damping() if damping is None else damping
     if static and structure.static_state is None:
         structure = structure.model_copy(update={"static_state": StaticState()})
-    assembly = assemble(build_mesh(structure), jacket_stiffness_factor=jacket_stiffness_factor)
+    assembly = assemble(
+        build_mesh(structure),
+        jacket_stiffness_factor=jacket_stiffness_factor,
+        interface_held=fixed_interface and structure.free,
+    )
     held = _fixed_interface(assembly, n_modes)
 
     def lowest(of: Assembly) -> tuple[Float[np.ndarray, " mode"], int]:
@@ -165,7 +172,7 @@ def _buckling_factor(elastic: csc_array, loaded: csc_array) -> float | None:
         except ArpackError as error:
             raise ComputationError(f"the buckling iteration did not converge ({error})") from None
         share = float(found[0])
-    return 1.0 / share if share > 0.0 else None
+    return 1.0 / share if share > _RELIEF else None
 
 
 def _fixed_interface(assembly: Assembly, n_modes: int) -> Float[np.ndarray, " mode"]:

@@ -31,8 +31,8 @@ _FREE = 1e-9
 _SHIFT = 1e-13
 
 
-def check_supports(mesh: Mesh) -> None:
-    """Refuse a mesh of which a connected part is a mechanism.
+def check_supports(mesh: Mesh, *, interface_held: bool = False) -> None:
+    """Refuse a mesh of which a connected part is a mechanism, with the interface held or free.
 
     All members are joined rigidly, so that a part can only move as a whole; it cannot where its
     supports resist all six rigid motions.
@@ -44,6 +44,8 @@ def check_supports(mesh: Mesh) -> None:
     """
     part = _parts(mesh)
     for i in range(int(part.max()) + 1):
+        if interface_held and part[mesh.transition_piece] == i:
+            continue
         _check_part(mesh, np.flatnonzero(part == i))
 
 
@@ -65,7 +67,7 @@ def _check_part(mesh: Mesh, nodes: Int[np.ndarray, " part_node"]) -> None:
             "supports",
             [*mesh.structure.supports, *mesh.structure.support_springs],
             f"must hold every part of the structure: nothing connects joint {name} to a support",
-            "Connect it by members, or support it.",
+            "Connect it by members, support it, or hold the interface (--fixed-interface).",
         )
     centre = mesh.node_position[nodes].mean(axis=0)
     size = max(float(np.abs(mesh.node_position[nodes] - centre).max()), 1e-30)

@@ -14,7 +14,7 @@ from proofs.registry import Proof
 __all__ = ["proofs_of", "topics"]
 
 #: Modules of this package that are no topics.
-SHARED = {"__main__", "cases", "flow", "literal", "registry", "table"}
+SHARED = {"__main__", "cases", "crossing", "flow", "literal", "registry", "table"}
 
 
 def topics() -> list[str]:

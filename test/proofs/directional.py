@@ -4,175 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from decimal import Decimal, localcontext
 
 import numpy as np
 
 from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.directional import DirectionalField
-from owt_wave_node.core.dispersion import wavenumber
 from owt_wave_node.core.field import GridField
 from owt_wave_node.core.grid import frequency_grid
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Waves
-from owt_wave_node.kernels.directional import transfer_pair
 from proofs import cases, flow
+from proofs.crossing import BothSums, crossing, off_grid, sea, seas
 from proofs.registry import Proof
 
 __all__ = ["PROOFS", "BothSums", "sea"]
-
-G = 9.81
-STEPS = 300
-
-
-def sea(
-    multiple: list[float],
-    direction_deg: list[float],
-    *,
-    depth: float = 50.0,
-    order: int = 2,
-    stretching: str = "taylor",
-) -> Waves:
-    """Components at multiples of the spacing of 300 samples of 0.2 s, of 1 m to 0.1 m."""
-    m = np.array(multiple, dtype=float)
-    omega = 2.0 * np.pi / (STEPS * 0.2) * m
-    return Waves(
-        omega=omega,
-        wavenumber=wavenumber(omega, water_depth=depth, gravity=G),
-        angle=np.deg2rad(direction_deg),
-        amplitude=4.0 / m * np.exp(1j * np.sqrt(np.arange(m.size)) * 5.0),
-        depth=depth,
-        gravity=G,
-        order=order,
-        stretching=stretching,
-        dt=0.2,
-        n=STEPS,
-    )
-
-
-MULTIPLE = [4, 5, 6, 7, 7, 8, 9, 9, 11, 13, 18, 25]
-ANGLE = [-40, 12, 0, 25, -155, 60, 33, 33 + 180, -9, 140, -75, 5]
-
-
-def seas() -> list[Waves]:
-    """Twelve waves of all directions, pairs of one frequency, one opposite; and twelve of one direction."""
-    between = [m + 0.37 * np.sin(7.0 * i) for i, m in enumerate(MULTIPLE)]
-    return [
-        *(sea(MULTIPLE, ANGLE, depth=depth) for depth in (50.0, 20.0, 9.0, 400.0)),
-        sea(between, ANGLE),
-        sea(MULTIPLE, [20.0] * len(MULTIPLE)),
-    ]
-
-
-def crossing() -> Waves:
-    return seas()[0]
-
-
-def off_grid() -> Waves:
-    return seas()[4]
-
-
-@dataclass(frozen=True)
-class BothSums:
-    """The equations of Sharma and Dean written out over all pairs, numpy, no symmetry used.
-
-    Attributes
-    ----------
-    scalar_norm : bool
-        | |k_m| - |k_n| | and |k_m| + |k_n| in place of the lengths of the vectors.
-    no_dot : bool
-        k_m k_n in place of the dot product of the vectors.
-    exchanged : bool
-        Signs of R_m R_n exchanged between the sum and the difference.
-    coming_from : bool
-        Directions that the waves come from.
-    """
-
-    waves: Waves
-    scalar_norm: bool = False
-    no_dot: bool = False
-    exchanged: bool = False
-    coming_from: bool = False
-
-    @property
-    def vectors(self) -> np.ndarray:
-        """Wave-number vectors [component, 2]."""
-        w = self.waves
-        turn = -1.0 if self.coming_from else 1.0
-        return turn * w.wavenumber[:, None] * np.column_stack([np.cos(w.angle), np.sin(w.angle)])
-
-    def phasors(self, place: np.ndarray) -> np.ndarray:
-        """A exp(i (omega t - k.x)) [time, component]."""
-        w = self.waves
-        t = w.dt * np.arange(w.n)
-        return np.asarray(w.amplitude * np.exp(1j * (np.outer(t, w.omega) - self.vectors @ place[:2])))
-
-    def pairs(self, sign: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Vector [m, n, 2] and length of k_m +- k_n, D and B, [m, n]."""
-        w, vector = self.waves, self.vectors
-        k, r, s = w.wavenumber, w.omega**2 / w.gravity, w.omega / np.sqrt(w.gravity)
-        sech = (k / np.cosh(np.minimum(k * w.depth, 300.0))) ** 2  # k^2 - R^2
-        both = vector[:, None] + sign * vector[None]
-        length = np.sqrt((both**2).sum(axis=2))
-        if self.scalar_norm:
-            length = np.abs(k[:, None] + sign * k[None])
-        dot = np.outer(k, k) if self.no_dot else vector @ vector.T
-        inner = dot - (-sign if self.exchanged else sign) * np.outer(r, r)
-        ss = s[:, None] + sign * s[None]
-        above = ss * (s[None] * sech[:, None] + sign * s[:, None] * sech[None]) + 2.0 * ss**2 * inner
-        below = ss**2 - length * np.tanh(length * w.depth)
-        flat = ss == 0.0
-        d = np.where(flat, 0.0, above / np.where(flat, 1.0, below))
-        b = 0.25 * ((d - inner) / np.outer(s, s) + r[:, None] + r[None])
-        return both, length, d, b
-
-    def elevation(self, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """First- and second-order elevation [point, time]."""
-        plus, minus = self.pairs(1)[3], self.pairs(-1)[3]
-        v = [self.phasors(p) for p in place]
-        return (
-            np.array([p.real.sum(axis=1) for p in v]),
-            np.array([((p @ plus * p) + (p @ minus * p.conj())).real.sum(axis=1) for p in v]),
-        )
-
-    def first(self, place: np.ndarray) -> np.ndarray:
-        """u, v, w and their rates of the first order, Taylor expanded above still water [point, 6, time]."""
-        w, out = self.waves, []
-        k, d = w.wavenumber, w.depth
-        unit = self.vectors / k[:, None]
-        for p in place:
-            z, above = min(p[2], 0.0), max(p[2], 0.0)
-            up, down, scale = np.exp(k * z), np.exp(-k * (z + 2 * d)), 1.0 / (1.0 + np.exp(-2.0 * k * d))
-            c, s = (up + down) * scale, (up - down) * scale
-            v = self.phasors(p) * (w.gravity * k / w.omega)
-            level = v * (c + above * k * s)
-            channels = [level * unit[:, 0], level * unit[:, 1], 1j * v * (s + above * k * c)]
-            out.append([q.real.sum(axis=1) for q in (*channels, *(1j * w.omega * q for q in channels))])
-        return np.array(out)
-
-    def second(self, place: np.ndarray) -> np.ndarray:
-        """u, v, w and their rates of the second order, of still water above it [point, 6, time]."""
-        w = self.waves
-        b = 0.25 * w.gravity**2 / np.outer(w.omega, w.omega)
-        out = np.zeros((len(place), 6, w.n))
-        for sign in (1, -1):
-            vector, length, d, _ = self.pairs(sign)
-            rate = w.omega[:, None] + sign * w.omega[None]
-            potential = b * np.where(rate == 0.0, 0.0, d / np.where(rate == 0.0, 1.0, rate))
-            potential = potential / (1.0 + np.exp(-2.0 * length * w.depth))
-            for p, here in enumerate(place):
-                v = self.phasors(here)
-                other, z = (v if sign > 0 else v.conj()), min(here[2], 0.0)
-                up, down = np.exp(length * z), np.exp(-length * (z + 2.0 * w.depth))
-                level = potential * (up + down)
-                channels = [
-                    level * vector[..., 0],
-                    level * vector[..., 1],
-                    1j * potential * length * (up - down),
-                ]
-                for i, factor in enumerate((*channels, *(1j * rate * q for q in channels))):
-                    out[p, i] += np.einsum("tm,mn,tn->t", v, factor, other, optimize=True).real
-        return out
 
 
 def mistaken(**switches: bool) -> flow.Make:
@@ -346,90 +191,6 @@ def standing(make: flow.Make) -> float:
     return worst
 
 
-@dataclass(frozen=True)
-class Exact:
-    """Both transfer functions in 150 digits, as printed: whatever cancels there does not matter."""
-
-    depth: Decimal
-    gravity: Decimal
-
-    def tanh(self, x: Decimal) -> Decimal:
-        q = (-2 * x).exp()
-        return (1 - q) / (1 + q)
-
-    def wavenumber(self, omega: Decimal, start: Decimal) -> Decimal:
-        """Newton's method on g k tanh kd = omega^2."""
-        k = start
-        for _ in range(7):
-            t = self.tanh(k * self.depth)
-            miss = self.gravity * k * t - omega**2
-            k -= miss / (self.gravity * (t + k * self.depth * (1 - t * t)))
-        return k
-
-    def cosine(self, angle: Decimal) -> Decimal:
-        total, term = Decimal(1), Decimal(1)
-        for j in range(2, 200, 2):
-            term *= -angle * angle / (j * (j - 1))
-            total += term
-        return total
-
-    def pair(self, k_m: float, k_n: float, omega_m: float, omega_n: float, angle: float) -> list[Decimal]:
-        """D+, D-, B+, B-."""
-        w_m, w_n = Decimal(omega_m), Decimal(omega_n)
-        k, n = self.wavenumber(w_m, Decimal(k_m)), self.wavenumber(w_n, Decimal(k_n))
-        r_m, r_n = w_m**2 / self.gravity, w_n**2 / self.gravity
-        s_m, s_n, dot = r_m.sqrt(), r_n.sqrt(), k * n * self.cosine(Decimal(angle))
-        d, b = [], []
-        for sign in (1, -1):
-            length, s = (k * k + n * n + 2 * sign * dot).sqrt(), s_m + sign * s_n
-            inner = dot - sign * r_m * r_n
-            above = s * (s_n * (k * k - r_m**2) + sign * s_m * (n * n - r_n**2)) + 2 * s * s * inner
-            d.append(above / (s * s - length * self.tanh(length * self.depth)))
-            b.append(((d[-1] - inner) / (s_m * s_n) + r_m + r_n) / 4)
-        return [*d, *b]
-
-
-def as_printed(k_m, k_n, omega_m, omega_n, angle, depth, gravity):  # type: ignore[no-untyped-def]
-    """The transfer functions as printed, in double precision."""
-    waves = replace(
-        sea([4, 5], [0.0, 0.0], depth=depth),
-        omega=np.array([omega_m, omega_n]),
-        wavenumber=np.array([k_m, k_n]),
-    )
-    k, r, s = waves.wavenumber, waves.omega**2 / gravity, waves.omega / np.sqrt(gravity)
-    found = []
-    for sign in (1, -1):
-        length = np.sqrt(k[0] ** 2 + k[1] ** 2 + 2 * sign * k[0] * k[1] * np.cos(angle))
-        inner, ss = k[0] * k[1] * np.cos(angle) - sign * r[0] * r[1], s[0] + sign * s[1]
-        above = (
-            ss * (s[1] * (k[0] ** 2 - r[0] ** 2) + sign * s[0] * (k[1] ** 2 - r[1] ** 2)) + 2 * ss**2 * inner
-        )
-        d = above / (ss**2 - length * np.tanh(length * depth))
-        found.append((d, 0.25 * ((d - inner) / (s[0] * s[1]) + r[0] + r[1])))
-    return found[0][0], found[1][0], found[0][1], found[1][1]
-
-
-def digits(pair: Callable[..., tuple[float, ...]]) -> float:
-    """Largest relative error of D+-, B+-: deep and shallow water, pairs nearly equal and nearly opposite.
-
-    B+ of opposite waves passes through zero: of B+- relative to (R_m + R_n) / 4 at least.
-    """
-    worst = 0.0
-    for depth in (3.0, 50.0, 300.0):
-        for omega_n, ratio in ((0.5, 1.001), (0.5, 1.7), (1.5, 1.001), (1.5, 1.3)):
-            omega = omega_n * np.array([ratio, 1.0])
-            k = wavenumber(omega, water_depth=depth, gravity=G)
-            for angle in (0.0, 1e-3, 0.7, np.pi - 1e-3):
-                with localcontext() as context:
-                    context.prec = 150
-                    exact = Exact(Decimal(depth), Decimal(G)).pair(*k.tolist(), *omega.tolist(), angle)
-                got = pair(*k.tolist(), *omega.tolist(), angle, depth, G)
-                least = float((omega**2).sum()) / (4.0 * G)
-                for a, e, scale in zip(got, map(float, exact), (0.0, 0.0, least, least), strict=False):
-                    worst = max(worst, abs(a - e) / max(abs(e), scale))
-    return worst
-
-
 PROOFS = (
     Proof(
         key="directional-kinematic",
@@ -515,15 +276,5 @@ PROOFS = (
         wrong=LENGTHS | MISTAKES,
         allowed=1e-12,
         reason="round-off",
-    ),
-    Proof(
-        key="directional-digits",
-        claim="transfer functions lose no digits: deep, shallow, nearly equal, nearly opposite",
-        against="the printed formulas in 150 digits; frequencies 0.1 % and directions 1e-3 rad apart",
-        error=digits,
-        right=transfer_pair,
-        wrong={"as printed, in double precision": as_printed},
-        allowed=1e-11,
-        reason="wave numbers 0.1 % apart, each known to 2e-16, and a denominator of their difference",
     ),
 )

@@ -18,7 +18,8 @@ from owt_wave_node.core.sea import Frame, build_sea_state, waves
 from owt_wave_node.core.wheeler import WheelerField
 from owt_wave_node.core.window import Windowed
 from owt_wave_node.kernels import directional as kernel
-from proofs.directional import ANGLE, MULTIPLE, PLACE, BothSums, crossing, off_grid
+from proofs.crossing import ANGLE, MULTIPLE, BothSums, crossing, off_grid
+from proofs.directional import PLACE
 
 POINTS = [[3.0, -7.0, -2.0], [-8.0, 4.0, -27.0], [0.0, 0.0, 2.5], [2.0, 2.0, -50.0]]
 SEAS = pytest.mark.parametrize("sea", [crossing(), off_grid()], ids=["grid", "off grid"])

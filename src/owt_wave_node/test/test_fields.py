@@ -13,7 +13,7 @@ from owt_wave_node.core.grid import frequency_grid
 from owt_wave_node.core.kinematics import wave_kinematics
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Waves, build_sea_state, waves
-from proofs import directional
+from proofs import crossing, directional
 
 X, Z = np.array([0.0, 3.7, -8.0]), np.array([-1.0, -27.0, 1.5])
 PLACE = np.column_stack([X, np.zeros(3), Z])
@@ -174,6 +174,26 @@ def test_profile_without_end_is_refused(recorded) -> None:
 def test_repeated_frequencies_between_gaps_are_not_consecutive() -> None:
     """As many components as there are bins from the first to the last, some bins twice and some left out."""
     multiple = [10, 10, 14, 14, 15, 18, 18, 19, 19, 19, 20]
-    crossing = directional.sea(multiple, np.linspace(-140.0, 130.0, len(multiple)).tolist(), depth=6.0)
+    waves = crossing.sea(multiple, np.linspace(-140.0, 130.0, len(multiple)).tolist(), depth=6.0)
     assert multiple[-1] - multiple[0] == len(multiple) - 1
-    assert directional.different(component_field(crossing), directional.BothSums(crossing)) < 1e-11
+    assert directional.different(component_field(waves), crossing.BothSums(waves)) < 1e-11
+
+
+@pytest.mark.parametrize(("count", "n", "depth"), [(3, 164, 50.0), (2, 145, 400.0), (30, 400, 400.0)])
+def test_any_components_have_a_route(count: int, n: int, depth: float, listed) -> None:
+    """Components off any grid whose second order all but vanishes at depth: never refused unless asked for."""
+    omega = 1.7 + np.sqrt(2.0) * 0.05 * np.arange(count) ** 0.9
+    case = listed(
+        omega,
+        np.full(count, 0.1),
+        np.arange(count) * 1.3,
+        water_depth_m=depth,
+        time={"dt_s": 0.1, "n": n},
+        points_m=[[0.0, 0.0, -3.0], [400.0, 0.0, -depth]],
+    )
+    got = wave_kinematics(case)
+    direct = wave_kinematics(
+        case.model_copy(update={"wave": case.wave.model_copy(update={"route": "direct"})})
+    )
+    for name in ("eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2"):
+        assert difference(getattr(direct, name), getattr(got, name)) < 1e-10, name

@@ -142,8 +142,8 @@ PROOFS = (
         error=compression,
         right=None,
         wrong={"three quarters of the nodes": 48},
-        allowed=1e-10,
-        reason="polynomials are 1e-11 of the largest factor off; a signal is a tenth of its amplitudes' sum",
+        allowed=1e-8,
+        reason="polynomials are 1e-9 of the largest factor off; a signal is a tenth of its amplitudes' sum",
     ),
     Proof(
         key="windows-of-a-record",

@@ -57,21 +57,11 @@ class CompressedField:
             return _parts(table)
         spacing = window.grid.spacing
         if window is not sea.record:
-            re, im = (np.zeros((window.n_bins, sea.wavenumber.size)) for _ in range(2))
-            time = window.middle - sea.record.middle
+            out = np.zeros((window.n_bins, 2, sea.wavenumber.size))
             used = int(np.flatnonzero(table.any(axis=1)).max(initial=-1)) + 1  # half of them at first order
-            _kernel.spread_rows(
-                sea.omega[:used],
-                table[:used],
-                time,
-                spacing,
-                window.bottom,
-                sea.bell.width,
-                sea.bell.shape,
-                re,
-                im,
-            )
-            table = re + 1j * im
+            time = window.middle - sea.record.middle
+            _kernel.spread_rows(sea.omega[:used], table[:used], time, *sea.weights(window), out)
+            table = out[:, 0] + 1j * out[:, 1]
         # The phases of a bell count from the middle of the window.
         bins = np.arange(window.n_bins) + window.bottom
         turn = np.exp(-1j * spacing * sea.waves.dt * (window.count // 2) * bins)

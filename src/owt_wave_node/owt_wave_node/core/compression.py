@@ -32,7 +32,7 @@ __all__ = ["MAX_ERROR", "CompressedSea", "Pairs", "Table", "product"]
 #: Largest relative error of the second order that is accepted.
 MAX_ERROR = 1e-6
 #: Largest error of the interpolation of exp(K z - i K x), whose values are at most 1: on a grid and off it.
-TOLERANCE, FINE_TOLERANCE = 1e-11, 1e-12
+TOLERANCE, FINE_TOLERANCE = 1e-9, 1e-12
 #: Phase in rad of half a stretch of x, over half the range of K.
 STRETCH = 24.0
 MAX_NODES = 600
@@ -47,6 +47,7 @@ LEVELS = (0.0, 0.05, 0.2, 0.5, 1.0, 2.0)
 
 Table = Complex[np.ndarray, "row node"]
 Nodes = Float[np.ndarray, " node"]
+Spread = tuple[Int[np.ndarray, " row"], Float[np.ndarray, "row width"]]
 
 
 def _basis(count: int) -> tuple[Nodes, Float[np.ndarray, "count node"]]:
@@ -117,6 +118,7 @@ class CompressedSea:
             used = waves.order * int(self.bins[-1]) + 1
             self.record = Window(0, replace(grid, bins=grid.bins[:0]), 0, used, 0.0, None, None)
         self._stretches: dict[int, Pairs] = {}
+        self._weights: tuple[tuple[int, int], Spread] | None = None
 
     def _enough(self) -> int:
         """Number of nodes, a multiple of 6, that interpolate to round-off."""
@@ -173,6 +175,16 @@ class CompressedSea:
             return part
         cut = slice(start, start + count)
         return replace(part, divide=part.divide * record.divide[cut], rate=part.rate + record.rate[cut])
+
+    def weights(self, window: Window) -> Spread:
+        """First bin of a window that each row is spread over, and its weights; kept for equal windows."""
+        key = window.grid.length, window.bottom
+        if self._weights is None or self._weights[0] != key:
+            y = self.omega / window.grid.spacing
+            start = np.ceil(y - 0.5 * self.bell.width).astype(np.int64)
+            place = (y - start)[:, None] - np.arange(self.bell.width)
+            self._weights = key, (start - window.bottom, self.bell.value(place))
+        return self._weights[1]
 
 
 def _merged(waves: Waves, grid: FrequencyGrid) -> Waves:

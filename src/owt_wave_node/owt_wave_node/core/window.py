@@ -55,7 +55,7 @@ class Bell:
         """Exponent b of the kernel: 0.976 of the value that just keeps the aliases out."""
         return 0.976 * math.pi * self.width * (1.0 - 0.5 / self.oversampling)
 
-    def value(self, x: Float[np.ndarray, " line"]) -> Float[np.ndarray, " line"]:
+    def value(self, x: Float[np.ndarray, "*any"]) -> Float[np.ndarray, "*any"]:
         """The kernel at places in bins from its middle."""
         u = 1.0 - (2.0 * x / self.width) ** 2
         return np.where(u > 0.0, np.exp(self.shape * (np.sqrt(np.maximum(u, 0.0)) - 1.0)), 0.0)

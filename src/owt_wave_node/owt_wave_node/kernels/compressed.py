@@ -183,26 +183,31 @@ def spread_pairs(
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
-def spread_rows(omega, rows, time, spacing, bottom, width, shape, out_re, out_im):
-    """Spread rows [row, q] at the frequencies `omega`, moved to `time`, over the grid of a window [bin, q].
+def spread_rows(omega, rows, time, start, weight, out):
+    """Spread rows [row, q] at the frequencies `omega`, moved to `time`, over the grid of a window.
 
-    Bin b lies at the frequency (b + bottom) spacing.
+    Row r adds to the bins from `start` [row] on, times `weight` [row, bin]. `out` is [bin, part, q], real and
+    imaginary.
     """
     size = rows.shape[1]
-    re, im = np.empty(size), np.empty(size)
+    turned = np.empty((2, size))
     for r in range(omega.size):
         c, s = math.cos(omega[r] * time), math.sin(omega[r] * time)
         for q in range(size):
             value = rows[r, q]
-            re[q] = value.real * c - value.imag * s
-            im[q] = value.real * s + value.imag * c
-        y = omega[r] / spacing
-        start = math.ceil(y - 0.5 * width) - bottom
-        for b in range(start, start + width):
-            factor = _bell(y - (b + bottom), width, shape)
-            for q in range(size):
-                out_re[b, q] += factor * re[q]
-                out_im[b, q] += factor * im[q]
+            turned[0, q] = value.real * c - value.imag * s
+            turned[1, q] = value.real * s + value.imag * c
+        for b in range(weight.shape[1]):
+            factor = weight[r, b]
+            for part in range(2):
+                _add_scaled(factor, turned[part], out[start[r] + b, part])
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _add_scaled(factor, x, out):
+    """Add factor * x."""
+    for i in range(out.size):
+        out[i] += factor * x[i]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
@@ -263,7 +268,7 @@ def warm_up() -> None:
     j, at, out = np.array([1, 2]), np.array([-1, 0, 1]), np.zeros((5, 4, 2))
     gather_rows(0, 5, j, at, table, a, a, 50.0, 9.81, 1.0, out, power)
     spread_pairs(0, 5, -2, 0.1, 2, 5.0, table, a, a, 50.0, 9.81, 1.0, out, power)
-    grid, rows = np.zeros((9, 2)), np.zeros((2, 2), dtype=complex)
-    spread_rows(a * 0.1, rows, 0.0, 0.1, -3, 2, 5.0, grid, grid.copy())
+    rows = np.zeros((2, 3), dtype=complex)
+    spread_rows(a, rows, 0.0, j, np.ones((2, 2)), np.zeros((9, 2, 3)))
     product(np.ones((1, 3), dtype=complex), np.ones((2, 3, 3)), np.empty((1, 3), dtype=complex))
     finish(np.zeros((1, 4, 3)), 1, np.ones(3), np.ones(3), 2, np.zeros((1, 4, 3)))

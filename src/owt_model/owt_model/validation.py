@@ -34,6 +34,29 @@ class Frozen(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
+def _named(model: type[BaseModel], parts: tuple[int | str, ...], kind: str) -> tuple[int | str, ...]:
+    """Location without pydantic's names of the alternatives of a type, which no user wrote."""
+    named: list[int | str] = []
+    for i, part in enumerate(parts):
+        unknown_key = kind == "extra_forbidden" and i == len(parts) - 1
+        if isinstance(part, str) and part not in model.model_fields and not unknown_key:
+            continue
+        named.append(part)
+        model = [model, *(entered for _, entered in _walk(model, (part,)))][-1]
+    return tuple(named)
+
+
+def _most_telling(model: type[BaseModel], errors: list[Any]) -> Any:
+    """The first error; of the alternatives of one field, the one that got furthest into the value."""
+    first = errors[0]
+    field = _named(model, tuple(first["loc"]), first["type"])
+    if field == tuple(first["loc"]):
+        return first
+    same = [error for error in errors if tuple(error["loc"][: len(field)]) == field]
+    wrong_type = ("float_type", "int_type", "tuple_type", "string_type")
+    return max(same, key=lambda error: (error["type"] not in wrong_type, len(error["loc"])))
+
+
 def _location(parts: tuple[int | str, ...]) -> str:
     text = ""
     for part in parts:
@@ -69,11 +92,12 @@ def _description(model: type[BaseModel], parts: tuple[int | str, ...]) -> str:
 
 def input_error(error: ValidationError, model: type[BaseModel], *, remedy: str) -> InputError:
     """Return the first fault of `error` as an InputError with field, value, limit and remedy."""
-    first: Any = error.errors(include_url=False)[0]
+    first: Any = _most_telling(model, error.errors(include_url=False))
     cause = first.get("ctx", {}).get("error")
     if isinstance(cause, InputError):
         return cause
-    kind, parts, value = first["type"], tuple(first["loc"]), first["input"]
+    kind, value = first["type"], first["input"]
+    parts = _named(model, tuple(first["loc"]), kind)
     limit = _RULES.get(kind, first["msg"].replace("Input should", "must").replace("'", ""))
     if kind == "extra_forbidden":
         remedy = f"Known keys here: {', '.join(_known_keys(model, parts[:-1]))}."

@@ -154,12 +154,13 @@ class Structure(Frozen):
                 )
 
     def _check_geometry(self) -> None:
-        places = Counter(self.joints.values())
+        at: dict[Point, str] = {}
         for name, place in self.joints.items():
-            if places[place] > 1:
-                other = next(n for n, p in self.joints.items() if p == place and n != name)
+            x, y, z = place
+            other = at.setdefault((round(x, 6), round(y, 6), round(z, 6)), name)
+            if other != name:
                 raise InputError(
-                    f"joints.{name}", place, f"lies on another joint, {other}", "Merge the two joints."
+                    f"joints.{other}", place, f"lies on another joint, {name} (within 1e-6 m)", "Merge them."
                 )
         used = {joint for part in self._connections() for joint in part}
         for name in self.joints:

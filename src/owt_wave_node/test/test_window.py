@@ -96,9 +96,9 @@ def test_error_estimate_is_of_the_size_of_the_error() -> None:
     grid = frequency_grid(sea.omega, dt=sea.dt, n=sea.n, order=2)
     assert grid is not None
     exact = GridField(sea, grid).second(PLACE)
-    full = CompressedSea(sea, grid).wavenumber.size
+
     ratios = []
-    for nodes in range(30, full - 6, 6):
+    for nodes in range(30, 61, 6):
         field = CompressedField(CompressedSea(sea, grid, nodes=nodes))
         try:
             off = float(

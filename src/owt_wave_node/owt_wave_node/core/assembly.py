@@ -223,6 +223,8 @@ class _Assembly:
         if run.is_gauss:
             return run
         z = self.hydro.station[run.stations.start : run.stations.stop : run.stride, 2]
+        if z.max() <= self.highest:
+            return run
         reached = np.flatnonzero(np.minimum(z[1:], z[:-1]) <= self.highest)
         return run.cut(int(reached[0]), int(reached[-1]) + 1) if reached.size else None
 
@@ -247,6 +249,8 @@ class _Assembly:
                 if not run.is_gauss:
                     at = part[run.stations.start - runs[0].stations.start :][: len(run.stations)]
                     ends = z[at[:: run.stride]]
+                    if ends.max() <= self.lowest:
+                        continue
                     crossed = np.flatnonzero(np.maximum(ends[1:], ends[:-1]) > self.lowest)
                     for j in range(run.stride + 1):
                         splash[at[run.stride * crossed + j]] = True

@@ -181,7 +181,7 @@ def test_repeated_frequencies_between_gaps_are_not_consecutive() -> None:
 
 @pytest.mark.parametrize(("count", "n", "depth"), [(3, 164, 50.0), (2, 145, 400.0), (30, 400, 400.0)])
 def test_any_components_have_a_route(count: int, n: int, depth: float, listed) -> None:
-    """Components off any grid whose second order all but vanishes at depth: never refused unless asked for."""
+    """Components off any grid, second order that all but vanishes at depth: refused only where asked for."""
     omega = 1.7 + np.sqrt(2.0) * 0.05 * np.arange(count) ** 0.9
     case = listed(
         omega,

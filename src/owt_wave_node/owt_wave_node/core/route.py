@@ -21,6 +21,8 @@ __all__ = ["EXACT", "component_field", "make_field"]
 
 #: Longest record, in samples, whose pairs are summed exactly unless asked otherwise.
 EXACT = 6000
+#: Components off any grid up to which direct sums take about as long as spreading them over one.
+FEW = 24
 
 
 def make_field(case: CaseConfig, sea: SeaState) -> Field:
@@ -40,8 +42,9 @@ def component_field(components: Waves, route: str = "auto") -> Field:
       the components lie on none;
     - ``direct``: direct sums;
     - ``compressed``: pairs compressed in wave number (:mod:`~owt_wave_node.core.compressed`);
-    - ``auto``: exact for up to 6000 samples on a grid, else compressed, unless the waves are too short beside
-      the depth; ``windows`` is the same at any length.
+    - ``auto``: exact for up to 6000 samples on a grid or few components off any, else compressed, unless that
+      is refused: the waves are too short beside the depth, or their second order all but vanishes somewhere;
+      ``windows`` is the same at any length.
 
     Components of different directions have a field of their own, which is exact.
     """
@@ -53,9 +56,12 @@ def component_field(components: Waves, route: str = "auto") -> Field:
     if route == "direct":
         return DirectField(components)
     grid = frequency_grid(components.omega, dt=components.dt, n=components.n, order=components.order)
-    if route != "exact" and not (route == "auto" and grid is not None and components.n <= EXACT):
+    small = components.omega.size <= FEW if grid is None else components.n <= EXACT
+    if route != "exact" and not (route == "auto" and small):
         try:
-            return CompressedField(CompressedSea(components, grid))
+            compressed = CompressedSea(components, grid)
+            compressed.pairs(0)  # here, where another route is left, not at the first point
+            return CompressedField(compressed)
         except ComputationError:
             if route == "compressed":
                 raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any, get_args
 
@@ -12,6 +13,7 @@ from owt_model.errors import InputError
 
 __all__ = ["Frozen", "input_error"]
 
+_ALTERNATIVE = re.compile(r"^(constrained-\w+|float|tuple\[.*\])$")
 _RULES = {
     "extra_forbidden": "is not a known key",
     "missing": "is missing",
@@ -34,22 +36,15 @@ class Frozen(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
 
-def _named(model: type[BaseModel], parts: tuple[int | str, ...], kind: str) -> tuple[int | str, ...]:
+def _named(parts: tuple[int | str, ...]) -> tuple[int | str, ...]:
     """Location without pydantic's names of the alternatives of a type, which no user wrote."""
-    named: list[int | str] = []
-    for i, part in enumerate(parts):
-        unknown_key = kind == "extra_forbidden" and i == len(parts) - 1
-        if isinstance(part, str) and part not in model.model_fields and not unknown_key:
-            continue
-        named.append(part)
-        model = [model, *(entered for _, entered in _walk(model, (part,)))][-1]
-    return tuple(named)
+    return tuple(part for part in parts if not (isinstance(part, str) and _ALTERNATIVE.search(part)))
 
 
-def _most_telling(model: type[BaseModel], errors: list[Any]) -> Any:
+def _most_telling(errors: list[Any]) -> Any:
     """The first error; of the alternatives of one field, the one that got furthest into the value."""
     first = errors[0]
-    field = _named(model, tuple(first["loc"]), first["type"])
+    field = _named(tuple(first["loc"]))
     if field == tuple(first["loc"]):
         return first
     same = [error for error in errors if tuple(error["loc"][: len(field)]) == field]
@@ -92,12 +87,12 @@ def _description(model: type[BaseModel], parts: tuple[int | str, ...]) -> str:
 
 def input_error(error: ValidationError, model: type[BaseModel], *, remedy: str) -> InputError:
     """Return the first fault of `error` as an InputError with field, value, limit and remedy."""
-    first: Any = _most_telling(model, error.errors(include_url=False))
+    first: Any = _most_telling(error.errors(include_url=False))
     cause = first.get("ctx", {}).get("error")
     if isinstance(cause, InputError):
         return cause
     kind, value = first["type"], first["input"]
-    parts = _named(model, tuple(first["loc"]), kind)
+    parts = _named(tuple(first["loc"]))
     limit = _RULES.get(kind, first["msg"].replace("Input should", "must").replace("'", ""))
     if kind == "extra_forbidden":
         remedy = f"Known keys here: {', '.join(_known_keys(model, parts[:-1]))}."

@@ -14,7 +14,7 @@ from owt_wave_node.core.grid import frequency_grid
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Waves
 from proofs import cases, flow
-from proofs.crossing import BothSums, crossing, off_grid, sea, seas
+from proofs.crossing import MULTIPLE, BothSums, crossing, off_grid, sea, seas
 from proofs.registry import Proof
 
 __all__ = ["PROOFS", "BothSums", "sea"]

@@ -98,16 +98,23 @@ def add_stations(q, weights, rows):
     weights : [station, shape]
         Sums of what :func:`segment_weights` gives.
     """
-    n = q.shape[2]
+    size, n = q.shape[0], q.shape[2]
     for start in range(0, n, BLOCK):
         stop = min(start + BLOCK, n)
         for i in range(rows.shape[0]):
             row, axis = rows[i, start:stop], i // 4
             shape = i % 4 if i < 8 else i - 4
-            for k in range(q.shape[0]):
-                f, force = weights[k, shape], q[k, axis, start:stop]
-                if axis == 1 and i % 2 == 1:  # My turns z towards x
-                    f = -f
+            turn = -1.0 if axis == 1 and i % 2 == 1 else 1.0  # My turns z towards x
+            # Four stations between a load and a store of the row.
+            for k in range(0, size - 3, 4):
+                f_0, f_1 = turn * weights[k, shape], turn * weights[k + 1, shape]
+                f_2, f_3 = turn * weights[k + 2, shape], turn * weights[k + 3, shape]
+                q_0, q_1 = q[k, axis, start:stop], q[k + 1, axis, start:stop]
+                q_2, q_3 = q[k + 2, axis, start:stop], q[k + 3, axis, start:stop]
+                for t in range(row.size):
+                    row[t] = row[t] + f_0 * q_0[t] + f_1 * q_1[t] + f_2 * q_2[t] + f_3 * q_3[t]
+            for k in range(size - size % 4, size):
+                f, force = turn * weights[k, shape], q[k, axis, start:stop]
                 for t in range(row.size):
                     row[t] += f * force[t]
 

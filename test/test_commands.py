@@ -215,6 +215,55 @@ def test_eigen_of_an_augmented_reduction_finds_its_loads(capsys: pytest.CaptureF
     one_line(capsys.readouterr().err)
 
 
+SUBDYN = """--- SubDyn input file
+a mast on a pile
+3 FEMMod
+2 NDiv
+2.5 JDampings
+--- JOINTS
+2 NJoints
+JointID JointXss JointYss JointZss
+(-) (m) (m) (m)
+1 0 0 -30
+2 0 0 10
+--- REACTIONS
+1 NReact
+RJointID RctTDXss RctTDYss RctTDZss RctRDXss RctRDYss RctRDZss
+(-)
+1 1 1 1 1 1 1
+--- INTERFACE
+1 NInterf
+IJointID
+(-)
+2
+--- MEMBERS
+1 NMembers
+MemberID MJointID1 MJointID2 MPropSetID1 MPropSetID2 MType COSMID
+(-)
+1 1 2 1 1 1 -1
+--- SECTIONS
+1 NPropSets
+PropSetID YoungE ShearG MatDens XsecD XsecT
+(-)
+1 2.1e11 8.08e10 7850 3.0 0.04
+"""
+
+
+def test_eigen_of_a_deck_says_what_it_leaves_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "mast.dat"
+    path.write_text(SUBDYN, encoding="utf-8")
+    assert main(["eigen", "--model", str(path), "--modes", "2", "--static"]) == 0
+    table = capsys.readouterr().out
+    assert "not supported: JDampings" in table
+    assert "transition piece" in table
+    assert "by weights" in table
+    assert "buckling at" in table
+    assert main(["eigen", "--model", str(path), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert "static_state" not in report
+    assert len(report["not_supported"]) == 2
+
+
 def test_report_of_a_damaged_bag_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bag = tmp_path / "bag"
     bag.mkdir()

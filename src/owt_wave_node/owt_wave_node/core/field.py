@@ -98,7 +98,13 @@ class GridField:
         self._used = slice(int(self.bins[0]), int(self.bins[-1]) + 1) if self.dense else self.bins
         self._tables = None
         if waves.order == 2:
-            packed = replace(waves, omega=self.omega, wavenumber=self.wavenumber, amplitude=self.amplitude)
+            packed = replace(
+                waves,
+                omega=self.omega,
+                wavenumber=self.wavenumber,
+                angle=np.zeros(self.omega.size),
+                amplitude=self.amplitude,
+            )
             self._tables = pair_tables(packed).spaced(self.bins.size)
             self._set_down = set_down(packed)
             self._blocks = _blocks(self.wavenumber, waves.depth)

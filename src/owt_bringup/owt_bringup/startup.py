@@ -23,8 +23,10 @@ def start_quickly() -> None:
 def _load_on_use(package: str, name: str) -> None:
     """Make a submodule of an imported package load at the first use of one of its attributes."""
     parent, full = import_module(package), f"{package}.{name}"
+    if full in sys.modules:
+        return
     spec = find_spec(full)
-    if full in sys.modules or spec is None or spec.loader is None:
+    if spec is None or spec.loader is None:
         return
     spec.loader = LazyLoader(spec.loader)
     module = module_from_spec(spec)

@@ -18,6 +18,7 @@ __all__ = [
     "Fixity",
     "Flooding",
     "Interface",
+    "JointSpring",
     "MarineGrowth",
     "Member",
     "Point",
@@ -26,6 +27,7 @@ __all__ = [
     "RigidLink",
     "RotorNacelle",
     "Section",
+    "Spring",
     "SpringMatrix",
     "StaticState",
     "SupportSpring",
@@ -113,26 +115,24 @@ SpringRow = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
 SpringMatrix = Annotated[tuple[SpringRow, ...], Field(min_length=6, max_length=6)]
 
 
-class SupportSpring(Frozen):
-    """Elastic support of a joint, global axes; it acts in the directions that `supports` leaves free."""
+class Spring(Frozen):
+    """Linear spring in six directions."""
 
     stiffness: SpringRow | SpringMatrix = Field(
         description="six stiffnesses (x, y, z in N/m, about x, y, z in N m/rad) or a symmetric 6 x 6 matrix"
     )
 
     @model_validator(mode="after")
-    def _passive(self) -> SupportSpring:
+    def _passive(self) -> Spring:
         matrix = np.array(self.matrix)
         if not np.array_equal(matrix, matrix.T):
-            raise InputError(
-                "support_springs.*.stiffness", "a matrix", "must be symmetric", "Check its entries."
-            )
+            raise InputError("springs.*.stiffness", "a matrix", "must be symmetric", "Check its entries.")
         # Scaled to a unit diagonal: translations and rotations have different units.
         scale = np.sqrt(np.maximum(np.abs(np.diag(matrix)), 1e-300))
         lowest = float(np.linalg.eigvalsh(matrix / scale[:, None] / scale)[0])
         if not lowest >= -1e-9:
             raise InputError(
-                "support_springs.*.stiffness",
+                "springs.*.stiffness",
                 lowest,
                 "must not be negative in any direction (lowest eigenvalue, scaled)",
                 "Check signs and units.",
@@ -147,6 +147,16 @@ class SupportSpring(Frozen):
             return tuple(rows)
         diagonal = [value for value in self.stiffness if not isinstance(value, tuple)]
         return tuple(tuple(k if i == j else 0.0 for j in range(6)) for i, k in enumerate(diagonal))
+
+
+class SupportSpring(Spring):
+    """Elastic support of a joint, global axes; it acts in the directions that `supports` leaves free."""
+
+
+class JointSpring(Spring):
+    """Spring between two joints, at the second: it resists their relative motion, in global axes."""
+
+    joints: tuple[str, str]
 
 
 class StaticState(Frozen):

@@ -22,6 +22,7 @@ from owt_model.parts import (
     Fixity,
     Flooding,
     Interface,
+    JointSpring,
     MarineGrowth,
     Member,
     Point,
@@ -40,6 +41,7 @@ __all__ = [
     "AddedMass",
     "Flooding",
     "Interface",
+    "JointSpring",
     "MarineGrowth",
     "Member",
     "PointMass",
@@ -87,6 +89,9 @@ class Structure(Frozen):
         False, description="no supports needed: only the modes with the interface held are of interest"
     )
     support_springs: dict[str, SupportSpring] = Field(default_factory=dict, description="elastic supports")
+    joint_springs: dict[str, JointSpring] = Field(
+        default_factory=dict, description="springs between two joints, which may lie on the same place"
+    )
     rigid_links: dict[str, RigidLink] = Field(default_factory=dict)
     interface: Interface
     point_masses: dict[str, PointMass] = Field(default_factory=dict, description="at joints")
@@ -133,9 +138,10 @@ class Structure(Frozen):
         ):
             for joint in names:
                 known(field, joint, self.joints, "joint")
-        for name, link in self.rigid_links.items():
-            for joint in link.joints:
-                known(f"rigid_links.{name}.joints", joint, self.joints, "joint")
+        for table, parts in (("rigid_links", self.rigid_links), ("joint_springs", self.joint_springs)):
+            for name, part in parts.items():
+                for joint in part.joints:
+                    known(f"{table}.{name}.joints", joint, self.joints, "joint")
         if not (self.supports or self.support_springs or self.free):
             raise InputError(
                 "supports", {}, "must name at least one joint", "A free structure is a mechanism."
@@ -158,7 +164,8 @@ class Structure(Frozen):
         for name, place in self.joints.items():
             x, y, z = place
             other = at.setdefault((round(x, 6), round(y, 6), round(z, 6)), name)
-            if other != name:
+            sprung = {frozenset(spring.joints) for spring in self.joint_springs.values()}
+            if other != name and frozenset((other, name)) not in sprung:
                 raise InputError(
                     f"joints.{other}", place, f"lies on another joint, {name} (within 1e-6 m)", "Merge them."
                 )
@@ -190,9 +197,10 @@ class Structure(Frozen):
         self.rigid_groups()
 
     def _connections(self) -> list[tuple[str, ...]]:
-        """Joints of each member and of each rigid link."""
+        """Joints of each member, rigid link and spring."""
         members = [member.joints for member in self.members.values()]
-        return [*members, *(link.joints for link in self.rigid_links.values())]
+        links = [link.joints for link in self.rigid_links.values()]
+        return [*members, *links, *(spring.joints for spring in self.joint_springs.values())]
 
     def rigid_groups(self) -> dict[str, str]:
         """Joint that each joint of a rigid link follows: its group's interface joint, support, or first.

@@ -7,11 +7,11 @@ or 11 columns, comments from ``!`` or ``#`` on, tabs, commas, Fortran's ``1.0d3`
 
 Imported: joints (cantilever, revolute and spherical ones with their stiffness), reaction joints with their
 flags and soil springs (SSI files), interface joints, members of circular section, tapered ones too, rigid
-links with their mass, element model (FEMMod 1 or 3), elements per member (NDiv), concentrated masses.
-Anything else that would change the structure is refused by name; what only concerns a simulation, and how
-the file was read where it leaves a choice, is in the structure's ``notes``. SubDyn's element has rotary
-inertia, its deck no growth, water or added mass. A deck does not say where the transition-piece node is: it
-is put at the horizontal centroid of the interface joints, at the level of the highest.
+links with their mass, spring members between joints on one place, element model (FEMMod 1 or 3), elements
+per member (NDiv), concentrated masses. Anything else that would change the structure is refused by name;
+what only concerns a simulation, and how the file was read where it leaves a choice, is in the structure's
+``notes``. SubDyn's element has rotary inertia, its deck no growth, water or added mass. A deck does not say
+where the transition-piece node is: it is put at the horizontal centroid of the interface joints, at the level of the highest.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from owt_model.structure import Structure, parse_structure
-from owt_model.subdyn_bodies import add_link_masses, concentrated_masses
+from owt_model.subdyn_bodies import add_link_masses, concentrated_masses, joint_springs
 from owt_model.subdyn_deck import Deck, Points, Row
 
 __all__ = ["parse_subdyn"]
@@ -33,7 +33,6 @@ _OTHER_MEMBERS = {
     "1r": "a rectangular beam",
     "2": "a cable",
     "4": "a beam of arbitrary section",
-    "5": "a spring",
 }
 #: Names of the entries of an SSI file: the upper triangle, column by column.
 _AXES = ("x", "y", "z", "tx", "ty", "tz")
@@ -75,7 +74,7 @@ def parse_subdyn(text: str, *, source: str, read: Callable[[str], str | None] = 
             )
     joints, free = _joints(deck, tables["joints"])
     sections = _sections(deck, tables["sections"])
-    beams, links = _members(deck, tables["members"], joints, sections)
+    beams, links, spring_rows = _members(deck, tables["members"], joints, sections)
     if not beams:
         raise deck.refuse("NMembers", len(links), "are all rigid links", "A structure needs a beam.")
     _release(deck, beams, links, free)
@@ -104,6 +103,7 @@ def parse_subdyn(text: str, *, source: str, read: Callable[[str], str | None] = 
             "supports": supports,
             "free": not (supports or springs),
             "support_springs": springs,
+            "joint_springs": joint_springs(deck, tables, spring_rows, joints),
             "rigid_links": {name: {"joints": ends} for name, (ends, _) in links.items()},
             "interface": {"joints": interface, "reference_m": reference},
             "point_masses": masses,
@@ -231,15 +231,16 @@ def _sections(deck: Deck, rows: list[Row]) -> dict[str, dict[str, float]]:
 
 def _members(
     deck: Deck, rows: list[Row], joints: Points, sections: dict[str, dict[str, float]]
-) -> tuple[dict[str, Any], dict[str, tuple[list[str], tuple[str, int]]]]:
-    """Beams, and rigid links with their joints, property set and line."""
+) -> tuple[dict[str, Any], dict[str, tuple[list[str], tuple[str, int]]], dict[str, Row]]:
+    """Beams, rigid links with their joints, property set and line, and the rows of springs."""
     beams: dict[str, Any] = {}
+    springs: dict[str, Row] = {}
     links: dict[str, tuple[list[str], tuple[str, int]]] = {}
     header = deck.header(rows)
     typed = "mtype" in header or len(header) > 6  # older files have COSMID there, and beams only
     for row in rows:
         name = deck.identifier(row, "MemberID", "M")
-        deck.new(name, ChainMap(beams, links), "MemberID", row.line)
+        deck.new(name, ChainMap[str, Any](beams, links, springs), "MemberID", row.line)
         ends = [deck.identifier(row, f"MJointID{i}", "J", i) for i in (1, 2)]
         for i, joint in enumerate(ends):
             deck.known(joint, joints, f"MJointID{i + 1}", row.line)
@@ -248,12 +249,15 @@ def _members(
         if kind == "3":
             links[name] = (ends, (pair[0], row.line))
             continue
+        if kind == "5":
+            springs[name] = row
+            continue
         if kind not in ("1", "1c"):
             raise deck.refuse(
                 "MType",
                 kind,
-                f"is {_OTHER_MEMBERS.get(kind, 'unknown')}; only circular beams (1, 1c) and rigid links (3) "
-                "are supported",
+                f"is {_OTHER_MEMBERS.get(kind, 'unknown')}; only circular beams (1, 1c), rigid links "
+                "(3) and springs (5) are supported",
                 "Replace the member.",
                 row.line,
             )
@@ -263,13 +267,13 @@ def _members(
                     f"MPropSetID{i + 1}",
                     section[1:],
                     "is not a circular property set of this file",
-                    "Rectangular and arbitrary sections, cables and springs are not supported.",
+                    "Rectangular and arbitrary sections and cables are not supported.",
                     row.line,
                 )
         beams[name] = {"joints": ends, "section": pair[0]}
         if sections[pair[0]] != sections[pair[1]]:
             beams[name]["section_last"] = pair[1]
-    return beams, links
+    return beams, links, springs
 
 
 def _reactions(

@@ -1,4 +1,4 @@
-"""Concentrated masses of a SubDyn deck, and the masses of its rigid links."""
+"""Concentrated masses of a SubDyn deck, the masses of its rigid links, and its spring members."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from owt_model.subdyn_deck import Deck, Points, Row
 
-__all__ = ["add_link_masses", "concentrated_masses"]
+__all__ = ["add_link_masses", "concentrated_masses", "joint_springs"]
 
 
 def concentrated_masses(deck: Deck, rows: list[Row], joints: Points) -> dict[str, Any]:
@@ -77,3 +77,52 @@ def _joined(
         "inertia_kg_m2": [float(whole[i]) for i in order],
         "offset_m": centre.tolist(),
     }
+
+
+def joint_springs(
+    deck: Deck, tables: dict[str, list[Row]], rows: dict[str, Row], joints: Points
+) -> dict[str, dict[str, Any]]:
+    """Springs between joints from the rows of their members."""
+    names = tuple(f"k{i + 1}{j + 1}" for i in range(6) for j in range(i, 6))
+    properties: dict[str, list[float]] = {}
+    for row in tables.get("springs", []):
+        properties[deck.identifier(row, "PropSetID", "P")] = deck.columns(row, names)
+    springs = {}
+    for name, row in rows.items():
+        ends = [deck.identifier(row, f"MJointID{i}", "J", i) for i in (1, 2)]
+        section = deck.identifier(row, "MPropSetID1", "P", 3)
+        if section not in properties:
+            raise deck.refuse(
+                "MPropSetID1", section[1:], "is no spring property", "Check the file.", row.line
+            )
+        if joints[ends[0]] != joints[ends[1]]:
+            raise deck.refuse(
+                "MJointID2", ends[1][1:], "is not on the place of joint 1", "Add a rigid link.", row.line
+            )
+        matrix = np.zeros((6, 6))
+        matrix[np.triu_indices(6)] = properties[section]
+        matrix = matrix + np.triu(matrix, 1).T
+        turn = np.tile(_signs(deck, tables.get("cosines", []), row), 2)
+        springs[name] = {"joints": ends, "stiffness": (turn[:, None] * matrix * turn).tolist()}
+    return springs
+
+
+def _signs(deck: Deck, cosines: list[Row], row: Row) -> Float[np.ndarray, " 3"]:
+    """Signs of a spring's axes against the global ones; others directions than those are refused."""
+    which = deck.identifier(row, "COSMID", "C", 6) if len(row.tokens) > 6 else "C-1"
+    if which == "C-1":
+        return np.ones(3)
+    names = tuple(f"COSM{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3))
+    for line in cosines:
+        if deck.identifier(line, "COSMID", "C") == which:
+            matrix = np.array(deck.columns(line, names)).reshape(3, 3)
+            if np.abs(np.abs(matrix) - np.eye(3)).max() > 1e-9:
+                raise deck.refuse(
+                    "COSMID",
+                    which[1:],
+                    "turns a spring out of the global axes, which is not supported",
+                    "Give its stiffness in global axes.",
+                    row.line,
+                )
+            return np.asarray(np.sign(np.diag(matrix)))
+    raise deck.refuse("COSMID", which[1:], "is no cosine matrix of this file", "Check the file.", row.line)

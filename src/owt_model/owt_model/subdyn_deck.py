@@ -26,6 +26,8 @@ _TABLES = {
     "npropsetscyl": "sections",
     "ncmass": "masses",
     "nrigidpropsets": "rigid",
+    "nspringpropsets": "springs",
+    "ncosms": "cosines",
 }
 
 

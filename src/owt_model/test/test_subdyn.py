@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
 
 import pytest
 
@@ -10,73 +11,7 @@ from owt_model.errors import InputError
 from owt_model.structure import load_structure
 from owt_model.subdyn import parse_subdyn
 
-DECK = """----------- SubDyn MultiMember Support Structure Input File ------------
-A tripod of our own, 3 legs
--------------------------- SIMULATION CONTROL ---------------------------
-False            Echo        - Echo input data (flag)
-"DEFAULT"        SDdeltaT    - Local integration step
-             3   IntMethod   - Integration method
-True             SttcSolve   - Solve dynamics about static equilibrium point
--------------------- FEA and CRAIG-BAMPTON PARAMETERS -------------------
-             3   FEMMod      - FEM switch
-             2   NDiv        - Number of sub-elements per member
-            10   Nmodes      - Number of internal modes to retain
-             1   JDampings   - Damping ratios
-             0   GuyanDampMod - Guyan damping
-  0.000, 0.000   RayleighDamp - Rayleigh coefficients
-             6   GuyanDampSize - Guyan damping matrix
-   0.0   0.0   0.0   0.0   0.0   0.0
-   0.0   0.0   0.0   0.0   0.0   0.0
-   0.0   0.0   0.0   0.0   0.0   0.0
-   0.0   0.0   0.0   0.0   0.0   0.0
-   0.0   0.0   0.0   0.0   0.0   0.0
-   0.0   0.0   0.0   0.0   0.0   0.0
-@QR0@---- STRUCTURE JOINTS: joints connect structure members -----------------
-             5   NJoints     - Number of joints (-)
-JointID JointXss JointYss JointZss JointType JointDirX JointDirY JointDirZ JointStiff
-  (-)     (m)      (m)      (m)      (-)       (-)       (-)       (-)     (Nm/rad)
-   1     8.0      0.0    -20.0      1  0.0  0.0  0.0  0.0
-   2    -4.0      7.0    -20.0      1  0.0  0.0  0.0  0.0   ! a comment
-   3    -4.0     -7.0    -21.0      1  0.0  0.0  0.0  0.0
-   4     0.0      0.0     10.0      1  0.0  0.0  0.0  0.0
-   7\t 2.0d0\t 1.0\t 12.0\t 1\t 0.0 0.0 0.0 0.0
-------------------- BASE REACTION JOINTS --------------------------------
-             3   NReact      - Number of joints with reaction forces
-RJointID RctTDXss RctTDYss RctTDZss RctRDXss RctRDYss RctRDZss SSIfile
-  (-)    (flag)   (flag)   (flag)   (flag)   (flag)   (flag)   (string)
-   1       1        1        1        1        1        1       ""
-   2       1        1        1        1        1        1
-   3       1        1        1        0        0        0       ""
-------- INTERFACE JOINTS ------------------------------------------------
-             2   NInterf     - Number of interface joints
-IJointID ItfTDXss ItfTDYss ItfTDZss ItfRDXss ItfRDYss ItfRDZss
-  (-)    (flag)   (flag)   (flag)   (flag)   (flag)   (flag)
-@INTERFACE@
------------------------------------ MEMBERS -----------------------------
-             4   NMembers    - Number of members
-MemberID MJointID1 MJointID2 MPropSetID1 MPropSetID2 MType COSMID
-  (-)       (-)       (-)        (-)         (-)      (-)    (-)
-@MEMBERS@
------------------- CIRCULAR BEAM CROSS-SECTION PROPERTIES ---------------
-             3   NPropSets   - Number of cross-sections
-PropSetID  YoungE   ShearG   MatDens   XsecD   XsecT
-  (-)      (N/m2)   (N/m2)   (kg/m3)   (m)     (m)
-   1   2.1D+11   8.0769e10   7850.0   1.2   0.05
-   2   2.1e11    8.0769e10   7850.0   0.8   2.0E-2
-   3   2.1e11    8.0769e10   7850.0   1.2   0.05
------------------ RECTANGULAR BEAM CROSS-SECTION PROPERTIES -------------
-             0   NPropSets   - Number of cross-sections
-PropSetID YoungE ShearG MatDens XsecSa XsecSb XsecT
-  (-)     (N/m2) (N/m2) (kg/m3) (m) (m) (m)
------------------------- JOINT ADDITIONAL CONCENTRATED MASSES -----------
-             1   NCmass      - Number of joints with concentrated masses
-CMJointID  JMass  JMXX  JMYY  JMZZ  JMXY  JMXZ  JMYZ  MCGX  MCGY  MCGZ
-  (-)      (kg)   (kg*m^2) ...
-@MASS@
----------------------------- OUTPUT: SUMMARY & OUTFILE ------------------
-True             SumPrint    - Output a summary file
-END of output channels
-"""
+DECK = (Path(__file__).parents[3] / "test" / "data" / "structure" / "tripod.dat").read_text(encoding="utf-8")
 QR0 = """---- INITIAL RIGID-BODY POSITION ----
 PtfmSurge PtfmSway PtfmHeave PtfmRoll PtfmPitch PtfmYaw
 (m) (m) (m) (deg) (deg) (deg)
@@ -185,6 +120,44 @@ def test_rigid_links_and_their_mass():
     for wrong in ("-1", "dense"):
         with pytest.raises(InputError, match="MatDens"):
             parse(with_link(wrong))
+
+
+SPRINGS = """----------------------- SPRING ELEMENT PROPERTIES ------------------------
+ 1 NSpringPropSets
+PropSetID k11 k12
+(-) (N/m)
+6 1e9 0 0 0 2e7 0  1e9 0 0 0 0  1e10 0 0 0  1e10 0 0  1e10 0  1e10
+---------------------- MEMBER COSINE MATRICES COSM(i,j) ------------------
+ 2 NCOSMs
+COSMID COSM11
+(-) (-)
+1 1 0 0 0 -1 0 0 0 -1
+2 0 1 0 -1 0 0 0 0 1
+------------------------ JOINT ADDITIONAL"""
+
+
+def with_spring(cosine):
+    """The deck with its joint 7 on joint 8, on which member 5 ends."""
+    text = deck(MEMBERS=PARTS["MEMBERS"].replace("5 4 7", "5 4 8") + f"\n 6 8 7 6 6 5 {cosine}")
+    text = text.replace("4   NMembers", "5   NMembers").replace("5   NJoints", "6   NJoints")
+    text = text.replace("   7\t 2.0d0", "   8  2.0 1.0 12.0 1 0 0 0 0\n   7\t 2.0d0")
+    return text.replace("------------------------ JOINT ADDITIONAL", SPRINGS)
+
+
+def test_spring_members():
+    """Upper triangle row by row; a cosine matrix may turn axes round."""
+    s = parse(with_spring(-1))
+    spring = s.joint_springs["M6"]
+    assert spring.joints == ("J8", "J7")
+    assert (spring.matrix[0][4], spring.matrix[4][0], spring.matrix[2][2]) == (2e7, 2e7, 1e10)
+    assert parse(with_spring(1)).joint_springs["M6"].matrix[0][4] == -2e7
+    for cosine, message in ((2, "COSMID.*turns"), (3, "COSMID.*no cosine matrix")):
+        with pytest.raises(InputError, match=message):
+            parse(with_spring(cosine))
+    with pytest.raises(InputError, match="no spring property"):
+        parse(with_spring(-1).replace("8 7 6 6 5", "8 7 5 5 5"))
+    with pytest.raises(InputError, match="not on the place"):
+        parse(with_spring(-1).replace("8 7 6 6 5", "8 4 6 6 5"))
 
 
 def test_revolute_and_spherical_joints():

@@ -156,6 +156,47 @@ def test_stiff_springs_are_a_clamp(models):
     assert sprung == pytest.approx(eigen_report(models.cantilever())["frequencies_hz"][:6], rel=1e-4)
 
 
+def two_parts(models, stiffness, place=(0.0, 0.0, -40.0), **more):
+    """A mast cut in two at half its height, its halves on joints C and D, a spring between them."""
+    return models.cantilever(
+        joints={"A": [0.0, 0.0, -50.0], "C": [0.0, 0.0, -40.0], "D": list(place), "B": [0.0, 0.0, -30.0]},
+        members={
+            "M": {"joints": ["A", "C"], "section": "tube"},
+            "N": {"joints": ["D", "B"], "section": "tube"},
+        },
+        joint_springs={"S": {"joints": ["C", "D"], "stiffness": stiffness}},
+        **more,
+    )
+
+
+def test_spring_between_joints_on_one_place(models):
+    """Tip flexibility: that of the mast, and h^2/k of a rotational spring at half its height."""
+
+    def tip(structure):
+        assembly = assemble(build_mesh(structure))
+        load = np.zeros(assembly.mesh.n_dof)
+        load[assembly.internal] = 1.0
+        return factorise(assembly.stiffness).solve(load)[assembly.internal]
+
+    stiff, soft = 1e15, 2e9
+    sprung = tip(two_parts(models, [stiff] * 4 + [soft, stiff]))
+    assert sprung - tip(models.cantilever()) == pytest.approx(10.0**2 / soft, rel=1e-4)
+    # apart, the spring sits at its second joint and the rest of the way is rigid
+    apart = tip(two_parts(models, [stiff] * 4 + [soft, stiff], (0.0, 0.0, -38.0)))
+    assert apart < sprung
+    rigid = tip(two_parts(models, [stiff] * 6, (0.0, 0.0, -38.0)))
+    assert apart - rigid == pytest.approx(8.0**2 / soft, rel=1e-4)
+
+
+def test_springs_between_joints_that_do_not_hold(models):
+    with pytest.raises(InputError, match=r"joint_springs.*moves freely along x"):
+        assemble(build_mesh(two_parts(models, [1e9] * 4 + [0.0, 1e9])))
+    with pytest.raises(InputError, match="lies on another joint"):
+        models.cantilever(joints={"A": [0.0, 0.0, -50.0], "B": [0.0, 0.0, -30.0], "C": [0.0, 0.0, -30.0]})
+    with pytest.raises(InputError, match="joint_springs"):
+        models.cantilever(joint_springs={"S": {"joints": ["A", "X"], "stiffness": [1.0] * 6}})
+
+
 def test_rigid_links_chain_to_the_interface_and_to_supports(models):
     """Joints of chained links follow one leader; rigid motion of the leader moves them rigidly."""
     data = models.frame().model_dump(mode="json")

@@ -1,7 +1,8 @@
 """Elastic supports, and the refusal of structures that can move freely.
 
 A part without releases can only move as a whole: a geometric check, with no threshold on stiffness. With
-released member ends the stiffness itself is searched for a motion that strains nothing.
+released member ends or springs between joints the stiffness itself is searched for a motion that strains
+nothing.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from owt_model.errors import InputError
 from owt_model.mesh import DOF_FIXED, Mesh
+from owt_structure_node.core.expansion import lever
 from owt_structure_node.core.modes import factorise
 
 __all__ = ["check_releases", "check_supports", "spring_stiffness"]
@@ -52,7 +54,9 @@ def check_supports(mesh: Mesh, *, interface_held: bool = False) -> None:
 def _parts(mesh: Mesh) -> Int[np.ndarray, " node"]:
     """Number of the connected part to which each node belongs."""
     tie = np.stack([np.arange(mesh.n_nodes), mesh.node_leader], axis=1)
-    pairs = np.concatenate([mesh.element_node, tie])
+    index = {name: i for i, name in enumerate(mesh.node_name)}
+    sprung = [[index[joint] for joint in spring.joints] for spring in mesh.structure.joint_springs.values()]
+    pairs = np.concatenate([mesh.element_node, tie, np.array(sprung, dtype=np.int64).reshape(-1, 2)])
     size = mesh.n_nodes
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
     return np.asarray(connected_components(graph, directed=False)[1]).astype(np.int64)
@@ -108,27 +112,38 @@ def _resisted(
 
 
 def spring_stiffness(mesh: Mesh) -> csr_array:
-    """Stiffness of elastic supports and of the springs in released ends, over all nodes [6 node, 6 node]."""
+    """Stiffness of supports, of springs between joints and in released ends, over all nodes."""
     index = {name: i for i, name in enumerate(mesh.node_name)}
     blocks = np.zeros((mesh.n_nodes, 6, 6))
     for joint, spring in mesh.structure.support_springs.items():
         blocks[index[joint]] += np.array(spring.matrix)
     result = csr_array(block_diag(list(blocks)))
+    for link in mesh.structure.joint_springs.values():
+        a, b = (index[joint] for joint in link.joints)
+        relative = np.hstack([-lever(mesh.node_position[b] - mesh.node_position[a]), np.eye(6)])
+        result = result + _between(a, b, relative.T @ np.array(link.matrix) @ relative, mesh)
     for name, member in mesh.structure.members.items():
         for joint, release in zip(member.joints, member.releases, strict=True):
             if release is None or release.stiffness_nm_rad == 0.0:
                 continue
             node, leader = index[f"{name}:{joint}"], index[joint]
             # All three rotations: those that are not free do not differ.
-            i = np.concatenate([6 * node + np.arange(3, 6), 6 * leader + np.arange(3, 6)])
-            couple = release.stiffness_nm_rad * np.kron([[1.0, -1.0], [-1.0, 1.0]], np.eye(3))
-            entries = (couple.reshape(-1), (np.repeat(i, 6), np.tile(i, 6)))
-            result = csr_array(result + coo_array(entries, shape=result.shape))
-    return result
+            turn = np.diag([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
+            couple = release.stiffness_nm_rad * np.kron([[1.0, -1.0], [-1.0, 1.0]], turn)
+            result = result + _between(leader, node, couple, mesh)
+    return csr_array(result)
+
+
+def _between(first: int, last: int, matrix: Float[np.ndarray, "12 12"], mesh: Mesh) -> csr_array:
+    """Stiffness of two nodes among all."""
+    dof = np.concatenate([6 * first + np.arange(6), 6 * last + np.arange(6)])
+    size = 6 * mesh.n_nodes
+    entries = (matrix.reshape(-1), (np.repeat(dof, 12), np.tile(dof, 12)))
+    return csr_array(coo_array(entries, shape=(size, size)))
 
 
 def check_releases(mesh: Mesh, expansion: csr_array, stiffness: csc_array) -> None:
-    """Refuse a structure whose released ends let a part move freely.
+    """Refuse a structure whose released ends or springs let a part move freely.
 
     Inverse iteration finds the softest motion; it is free where its stiffness, relative to the diagonal's,
     is round-off.
@@ -138,7 +153,8 @@ def check_releases(mesh: Mesh, expansion: csr_array, stiffness: csc_array) -> No
     InputError
         Naming the joint or member end that moves most, and its direction.
     """
-    if all(release is None for member in mesh.structure.members.values() for release in member.releases):
+    members = mesh.structure.members.values()
+    if not mesh.structure.joint_springs and all(member.releases == (None, None) for member in members):
         return
     diagonal = stiffness.diagonal()
     loose = np.flatnonzero(diagonal <= 0.0)
@@ -159,8 +175,8 @@ def _moves_freely(mesh: Mesh, motion: Float[np.ndarray, "node 6"]) -> InputError
     amount = np.abs(motion * np.array([1.0, 1.0, 1.0, size, size, size]))
     node, direction = np.unravel_index(int(amount.argmax()), amount.shape)
     return InputError(
-        "members.*.release",
+        "releases and joint_springs",
         mesh.node_name[int(node)],
         f"moves freely {_MOTION[int(direction)]}: the structure is a mechanism",
-        "Release less: a bar of a truss keeps its torsion at one end (about: yz).",
+        "Release less (a bar of a truss keeps its torsion at one end, about: yz), or add stiffness.",
     )

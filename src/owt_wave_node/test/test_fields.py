@@ -197,3 +197,10 @@ def test_any_components_have_a_route(count: int, n: int, depth: float, listed) -
     )
     for name in ("eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2"):
         assert difference(getattr(direct, name), getattr(got, name)) < 1e-10, name
+
+
+def test_many_short_crested_components_off_any_grid() -> None:
+    """So many pairs that their frequencies are spread over a grid of their own."""
+    multiple = 5.0 + 0.37 * np.sqrt(2.0) * np.arange(40)
+    waves = crossing.sea(multiple.tolist(), np.linspace(-140.0, 130.0, 40).tolist(), depth=20.0)
+    assert directional.different(component_field(waves), crossing.BothSums(waves)) < 1e-10

@@ -152,15 +152,16 @@ class SpreadLines:
         """Spread the coefficients over the bins of the window."""
         window, (rows, signals, lines) = self.window, coefficients.shape
         spacing, bell = window.grid.spacing, FINE
-        re, im = (np.zeros((window.n_bins, rows * signals)) for _ in range(2))
-        _kernel.spread_rows(
-            self.frequency, np.ascontiguousarray(coefficients.reshape(-1, lines).T), window.middle,
-            spacing, window.bottom, bell.width, bell.shape, re, im,
-        )  # fmt: skip
+        y = self.frequency / spacing
+        start = np.ceil(y - 0.5 * bell.width).astype(np.int64)
+        weight = bell.value((y - start)[:, None] - np.arange(bell.width))
+        out = np.zeros((window.n_bins, 2, rows * signals))
+        lined_up = np.ascontiguousarray(coefficients.reshape(-1, lines).T)
+        _kernel.spread_rows(self.frequency, lined_up, window.middle, start - window.bottom, weight, out)
         # Phases of a bell count from the middle of the window, those of a transform from its first sample.
         bins = np.arange(window.n_bins) + window.bottom
         turn = np.exp(-1j * spacing * self.dt * (window.count // 2) * bins)
-        spectra = ((re + 1j * im).T * turn).reshape(rows, signals, window.n_bins)
+        spectra = ((out[:, 0] + 1j * out[:, 1]).T * turn).reshape(rows, signals, window.n_bins)
         return window.fold(np.ascontiguousarray(spectra))
 
     def series(

@@ -11,7 +11,8 @@ links with their mass, spring members between joints on one place, element model
 per member (NDiv), concentrated masses. Anything else that would change the structure is refused by name;
 what only concerns a simulation, and how the file was read where it leaves a choice, is in the structure's
 ``notes``. SubDyn's element has rotary inertia, its deck no growth, water or added mass. A deck does not say
-where the transition-piece node is: it is put at the horizontal centroid of the interface joints, at the level of the highest.
+where the transition-piece node is: it is put at the horizontal centroid of the interface joints, at the
+level of the highest.
 """
 
 from __future__ import annotations

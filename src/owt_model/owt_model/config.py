@@ -158,7 +158,13 @@ class StructureConfig(Frozen):
     model: str = Field(
         "oc4", min_length=1, description="name of a shipped structure, or path of a YAML file or SubDyn deck"
     )
-    reduction: str = Field("CB10M10", description="full, CBnn, CBnnMmm or Mmm")
+    reduction: str = Field(
+        "CB10M10",
+        description="full, auto, or CBnn, CBnnMmm, Mmm with orders jk, interface vectors Y, +SIM behind",
+    )
+    tolerance: float = Field(
+        0.001, gt=0.0, lt=1.0, description="estimated error in mean potential energy that auto allows"
+    )
     damping: Damping = Field(default_factory=Damping)
     dt_s: float = Field(0.02, gt=0.0, le=60.0, description="integration step in s; divides time.dt_s")
     integrator: Literal["newmark", "newmark-explicit", "generalised-alpha", "exact"] = Field(

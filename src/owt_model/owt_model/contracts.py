@@ -149,6 +149,9 @@ class LoadBasis:
     spectrum : float array [vector, band] or [0, 0]
         Variance of each vector's amplitude in equal bands from 0 to half the sampling frequency; their sum
         over the bands is the POV. Empty where it is not known.
+    highest_frequency : float
+        Below it lies all but a thousandth of the variance of the loads, in cycles per sample; 0 where it is
+        not known.
     """
 
     model_hash: str
@@ -160,6 +163,7 @@ class LoadBasis:
     snapshots: int
     damping: Float[np.ndarray, "damped 3 3"] = field(default_factory=lambda: np.zeros((0, 3, 3)))
     spectrum: Float[np.ndarray, "shape band"] = field(default_factory=lambda: np.zeros((0, 0)))
+    highest_frequency: float = 0.0
 
     @property
     def pov(self) -> Float[np.ndarray, " vector"]:

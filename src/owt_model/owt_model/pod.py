@@ -24,6 +24,8 @@ TOLERANCE = 1e-11
 DENSE = 200
 #: Bands of the spectra of amplitudes, from 0 to half the sampling frequency.
 BANDS = 256
+#: Share of the variance of the loads below their highest frequency, and random sums of loads that tell it.
+BELOW_HIGHEST, SUMS = 0.999, 16
 #: Snapshots whose mean is removed at a time.
 CHUNK = 512
 
@@ -60,9 +62,10 @@ def load_basis(
     snapshots = (nodal - mean).reshape(n_snapshots, -1)
     variance = float(np.vdot(snapshots, snapshots))
     if n_vectors == 0:
-        return LoadBasis(
+        bare = LoadBasis(
             model_hash, node, np.zeros((0, *mean.shape)), np.zeros(0), variance, mean, n_snapshots
         )
+        return replace(bare, highest_frequency=_highest_frequency(snapshots))
     sigma, vectors = _leading(snapshots, n_vectors)
     floor = np.sqrt(variance) * np.finfo(float).eps * max(snapshots.shape)
     sigma, vectors = _kept(sigma, vectors, floor)
@@ -75,6 +78,7 @@ def load_basis(
         mean=mean,
         snapshots=n_snapshots,
         spectrum=_spectrum(snapshots @ vectors.T),
+        highest_frequency=_highest_frequency(snapshots),
     )
 
 
@@ -201,6 +205,18 @@ def _spectrum(amplitude: Float[np.ndarray, "snapshot shape"]) -> Float[np.ndarra
     spectrum = np.zeros((BANDS, n_shapes))
     np.add.at(spectrum, band, power)
     return np.ascontiguousarray(spectrum.T)
+
+
+def _highest_frequency(snapshots: Float[np.ndarray, "snapshot dof"]) -> float:
+    """Frequency in cycles per sample below which nearly all variance lies; 0 of loads that do not change.
+
+    Sums of all loads with random signs, each load on its own scale in newtons, stand for their spectra.
+    """
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(snapshots.shape[1], SUMS))
+    share = np.cumsum(_spectrum(snapshots @ signs).sum(axis=0))
+    if not share[-1] > 0.0:
+        return 0.0
+    return (int(np.searchsorted(share, BELOW_HIGHEST * share[-1])) + 1) / (2.0 * BANDS)
 
 
 def _largest(

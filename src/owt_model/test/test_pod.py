@@ -131,6 +131,15 @@ def test_spectrum_of_the_amplitudes(n: int) -> None:
     one = load_basis(wave[:, None, None] * shape, NODE, 1, model_hash="h").spectrum[0]
     assert one.argmax() == int(0.2 * BANDS)
     assert one.max() == pytest.approx(one.sum(), rel=1e-12)
+    time = np.arange(n - n % 50)
+    slow = np.cos(2.0 * np.pi * 0.02 * time) + 0.01 * np.cos(0.8 * np.pi * time)
+    loads = slow[:, None, None] * shape
+    for vectors in (0, 1):  # a ten-thousandth of the variance at 0.4 does not count, all of it at 0.1 does
+        found = load_basis(loads, NODE, vectors, model_hash="h").highest_frequency
+        assert found == pytest.approx(0.02, abs=1.0 / BANDS)
+    found = load_basis(wave[:, None, None] * shape, NODE, 0, model_hash="h").highest_frequency
+    assert found == pytest.approx(0.1, abs=1.0 / BANDS)
+    assert load_basis(np.ones((9, 4, 6)), NODE, 0, model_hash="h").highest_frequency == 0.0
 
 
 def test_clusters_weigh_every_case_alike() -> None:

@@ -108,6 +108,8 @@ def load_basis_message(basis: LoadBasis) -> owt.LoadBasis:
         singular_values=doubles(basis.singular_values),
         damping=doubles(basis.damping),
         total_variance=float(basis.total_variance),
+        spectrum=doubles(basis.spectrum),
+        highest_frequency=float(basis.highest_frequency),
     )
 
 
@@ -125,6 +127,7 @@ def reduced_model_message(description: ReducedDescription) -> owt.ReducedModel:
         end_name=list(description.end_name),
         end_member=uint32s(ends // 2),
         end_side=flat_array("B", np.uint8, ends % 2),
+        notes=list(description.notes),
     )
 
 

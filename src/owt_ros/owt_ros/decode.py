@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+from jaxtyping import Float
+
 from owt_model.contracts import (
     ElevationBlock,
     EnergyBlock,
@@ -51,6 +54,8 @@ def to_load_basis(message: Any) -> LoadBasis:
         mean=read_doubles(message, "mean", n, 6),
         snapshots=int(message.snapshots),
         damping=read_doubles(message, "damping", -1, 3, 3),
+        spectrum=_spectrum(message),
+        highest_frequency=float(message.highest_frequency),
     )
 
 
@@ -65,7 +70,14 @@ def to_reduced_model(message: Any) -> ReducedDescription:
         damping_ratio=read_doubles(message, "damping_ratio", -1),
         end_name=tuple(message.end_name),
         tower_top_coordinate=int(message.tower_top_coordinate),
+        notes=tuple(getattr(message, "notes", ())),  # older recordings have none
     )
+
+
+def _spectrum(message: Any) -> Float[np.ndarray, "shape band"]:
+    if not len(message.spectrum):
+        return np.zeros((0, 0))
+    return read_doubles(message, "spectrum", len(message.singular_values), -1)
 
 
 def to_elevation(message: Any) -> ElevationBlock:

@@ -54,6 +54,8 @@ BLOCKS = {
         mean=_r(4, 6),
         snapshots=100,
         damping=_r(4, 3, 3),
+        spectrum=_r(2, 8),
+        highest_frequency=0.1,
     ),
     "reduced_model": ReducedDescription(
         model_name="oc4",
@@ -64,6 +66,7 @@ BLOCKS = {
         damping_ratio=_r(2),
         end_name=("M1:J1", "M1:J2"),
         tower_top_coordinate=-1,
+        notes=("CB02 has no tower", "and two notes"),
     ),
 }
 FATIGUE = FatigueBlock(
@@ -99,7 +102,8 @@ def test_fatigue_there_and_back() -> None:
 
 def test_empty_arrays() -> None:
     basis = BLOCKS["load_basis"]
-    bare = dataclasses.replace(basis, vectors=np.zeros((0, 4, 6)), singular_values=np.zeros(0))
+    nothing = {"singular_values": np.zeros(0), "spectrum": np.zeros((0, 0))}
+    bare = dataclasses.replace(basis, vectors=np.zeros((0, 4, 6)), **nothing)
     _assert_same(bare, decode.to_load_basis(convert.load_basis_message(bare)))
 
 

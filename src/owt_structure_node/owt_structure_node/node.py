@@ -60,6 +60,8 @@ class StructureNode(StageNode):
         with interruptible():
             self._model = build_response_model(self._case, self._mesh, decode.to_load_basis(message))
             self._state = initial_state(self._model)
+        for note in self._model.description.notes:
+            self.get_logger().info(f"note: {note}")
         self._reduced.send(convert.reduced_model_message(self._model.description))
         self.advance()
 

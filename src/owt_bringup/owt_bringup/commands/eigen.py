@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from typing import TYPE_CHECKING
 
 from owt_model.errors import InputError
@@ -28,8 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--reduction",
-        help="reduce first: full, CBnn, CBnnMmm or Mmm; MTA vectors take the second-order loads of "
-        "Hs 8.25 m, Tp 11.5 s towards 210 degrees, seed 1",
+        help="reduce first: full, CBnn, CBnnMmm or Mmm (with orders jk, interface vectors Y, +SIM) or auto; "
+        "MTA vectors take the second-order loads of Hs 8.25 m, Tp 11.5 s towards 210 degrees, seed 1",
+    )
+    parser.add_argument(
+        "--tolerance", type=float, help="estimated error in energy that auto allows (default 0.001)"
     )
     parser.add_argument("--modes", type=int, default=20, help="number of modes (default 20)")
     parser.add_argument("--fixed-interface", action="store_true", help="clamp the interface")
@@ -50,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             "reduction", options.reduction, "has no meaning with --fixed-interface", "Leave one of them out."
         )
+    if options.tolerance is not None and options.reduction != "auto":
+        raise InputError("tolerance", options.tolerance, "is that of auto", "Give --reduction auto as well.")
     structure = load_structure(options.model)
     report = eigen_report(
         structure,
@@ -58,7 +64,10 @@ def run(options: argparse.Namespace) -> int:
         fixed_interface=options.fixed_interface,
         basis=_load_basis(structure, options.reduction),
         static=options.static,
+        tolerance=0.001 if options.tolerance is None else options.tolerance,
     )
+    for note in report["notes"]:
+        print(f"note: {note}", file=sys.stderr)
     if options.json:
         print(json.dumps(report, allow_nan=False))
         return 0

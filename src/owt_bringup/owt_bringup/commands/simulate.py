@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 HELP = "the whole chain in one process: summary.json, series.npz and report.html"
@@ -59,5 +60,7 @@ def run(options: argparse.Namespace) -> int:
     elapsed = time.perf_counter() - start
     speed = f"{elapsed:.1f} s, {case.time.duration_s / elapsed:.0f} times real time"
     print_table([*head_figures(data), ("elapsed", speed), ("results", str(folder))])
+    for note in data.reduced.notes:
+        print(f"note: {note}", file=sys.stderr)
     print_warnings(case, load_structure(case.structure.model))
     return 0

@@ -17,6 +17,7 @@ from owt_model.errors import ComputationError, InputError
 from owt_model.mesh import build_mesh
 from owt_model.structure import StaticState, Structure
 from owt_structure_node.core.assembly import Assembly, assemble, element_transformation
+from owt_structure_node.core.auto import Target, chosen_reduction
 from owt_structure_node.core.modes import dense_modes, factorise, lowest_modes
 from owt_structure_node.core.reduction import guyan, reduce
 from owt_structure_node.core.response import modal_damping
@@ -45,6 +46,8 @@ def eigen_report(
     basis: LoadBasis | None = None,
     jacket_stiffness_factor: float = 1.0,
     static: bool = False,
+    tolerance: float = 0.001,
+    load_dt: float = 0.1,
 ) -> dict[str, Any]:
     """Solve the eigenvalue problem of a structure and report it as plain data.
 
@@ -66,6 +69,10 @@ def eigen_report(
         Factor on the stiffness of the members (frequency model: 0.37).
     static : bool
         Count the geometric stiffness of the weights, and report what it does.
+    tolerance : float
+        Estimated error in mean potential energy that the reduction ``auto`` allows.
+    load_dt : float
+        Time step in s of the loads that `basis` is of.
 
     Returns
     -------
@@ -73,10 +80,11 @@ def eigen_report(
         ``model``, ``model_hash``, ``reduction``, ``degrees_of_freedom``, ``mass_kg`` (steel and lumped
         bodies), ``masses_kg`` (by kind), ``frequencies_hz``, ``damping_ratio``, ``logdec_percent`` (None
         where overdamped), ``fixed_interface_frequencies_hz``, ``guyan_stiffness``, ``guyan_mass`` (of the
-        jacket alone, 6 x 6, at the transition-piece node), ``not_supported`` (what an import left out), and
-        with `static` ``static_state``: ``frequencies_hz`` and ``change_percent`` (without geometric
-        stiffness, and what it changes), ``buckling_factor`` (of all weights; None where nothing buckles),
-        ``weight_n`` (less buoyancy).
+        jacket alone, 6 x 6, at the transition-piece node), ``not_supported`` (what an import left out),
+        ``notes`` (on the reduction), with a basis ``pov_share`` (share of the variance of the loads of each
+        vector), and with `static` ``static_state``: ``frequencies_hz`` and ``change_percent`` (without
+        geometric stiffness, and what it changes), ``buckling_factor`` (of all weights; None where nothing
+        buckles), ``weight_n`` (less buoyancy).
 
     Raises
     ------
@@ -100,20 +108,28 @@ def eigen_report(
     def lowest(of: Assembly) -> tuple[Float[np.ndarray, " mode"], int]:
         if fixed_interface:
             return (held if of is assembly else _fixed_interface(of, n_modes)), of.internal
-        if reduction is None or reduction == "full":
+        if name == "full":
             size = of.mesh.n_dof
             return lowest_modes(of.stiffness, of.mass, min(n_modes, size))[0], size
-        reduced = reduce(of, reduction, basis)
+        reduced = reduce(of, name, basis, jacket_stiffness_factor=jacket_stiffness_factor)
         return dense_modes(reduced.stiffness, reduced.mass)[0][:n_modes], len(reduced.mass)
 
     static_model = guyan(assembly)
+    name = reduction or "full"
+    notes: tuple[str, ...] = ()
+    if name != "full" and not fixed_interface:
+        target = Target(tolerance, damping.alpha, damping.beta, load_dt)
+        chosen, notes = chosen_reduction(
+            assembly, name, basis, target, jacket_stiffness_factor=jacket_stiffness_factor
+        )
+        name = chosen.name
     omega2, size = lowest(assembly)
     _, zeta = modal_damping(omega2, damping.alpha, damping.beta)
     decrement = 100.0 * log_decrement(zeta)
     report: dict[str, Any] = {
         "model": structure.name,
         "model_hash": structure.content_hash,
-        "reduction": "fixed interface" if fixed_interface else reduction or "full",
+        "reduction": "fixed interface" if fixed_interface else name,
         "degrees_of_freedom": size,
         "mass_kg": assembly.structural_mass_kg,
         "masses_kg": dict(assembly.mass_kg),
@@ -124,7 +140,10 @@ def eigen_report(
         "guyan_stiffness": static_model.stiffness.tolist(),
         "guyan_mass": static_model.mass.tolist(),
         "not_supported": list(structure.notes),
+        "notes": list(notes),
     }
+    if basis is not None:
+        report["pov_share"] = (basis.singular_values**2 / max(basis.total_variance, 1e-300)).tolist()
     if static:
         report["static_state"] = _static_effect(assembly, jacket_stiffness_factor, omega2, lowest)
     return report

@@ -11,8 +11,8 @@ from owt_model.contracts import LoadBasis, ReducedDescription
 from owt_model.errors import InputError
 from owt_model.mesh import Mesh
 from owt_structure_node.core.assembly import DOF_NAME, Assembly, assemble
+from owt_structure_node.core.auto import Target, chosen_reduction
 from owt_structure_node.core.modes import dense_modes
-from owt_structure_node.core.reduction import reduce
 from owt_structure_node.core.sim import StaticImprovement
 
 __all__ = ["MAX_REPORTED_MODES", "ModalModel", "build_modal_model", "describe", "drag_rate", "modal_damping"]
@@ -75,7 +75,12 @@ class ModalModel:
 
 
 def build_modal_model(
-    mesh: Mesh, reduction: str, basis: LoadBasis | None = None, *, jacket_stiffness_factor: float = 1.0
+    mesh: Mesh,
+    reduction: str,
+    basis: LoadBasis | None = None,
+    target: Target | None = None,
+    *,
+    jacket_stiffness_factor: float = 1.0,
 ) -> ModalModel:
     """Assemble, reduce and decouple.
 
@@ -91,13 +96,15 @@ def build_modal_model(
         As :mod:`owt_model.reduction_name` lists.
     basis : LoadBasis, optional
         Load vectors for the augmentation.
+    target : Target, optional
+        What ``auto`` chooses for; other reductions are held against its time step.
     jacket_stiffness_factor : float
         Factor on the stiffness of the members.
 
     Raises
     ------
     InputError, ComputationError
-        As :func:`owt_structure_node.core.reduction.reduce` and the eigenvalue solution.
+        As :func:`owt_structure_node.core.auto.chosen_reduction` and the eigenvalue solution.
     """
     assembly = assemble(mesh, jacket_stiffness_factor=jacket_stiffness_factor)
     if reduction == "full":
@@ -106,18 +113,20 @@ def build_modal_model(
         names = [f"{mesh.node_name[node]}.{direction}" for node in nodes for direction in DOF_NAME]
         coordinate = np.ascontiguousarray(shapes[mesh.node_dof[nodes].reshape(-1)].T)
         return ModalModel(assembly, reduction, omega2, shapes, None, coordinate, tuple(names))
-    reduced = reduce(assembly, reduction, basis, jacket_stiffness_factor=jacket_stiffness_factor)
+    reduced, notes = chosen_reduction(
+        assembly, reduction, basis, target, jacket_stiffness_factor=jacket_stiffness_factor
+    )
     omega2, modes = dense_modes(reduced.stiffness, reduced.mass)
     amplitude = np.ascontiguousarray(modes.T)
     return ModalModel(
         assembly=assembly,
-        reduction=reduction,
+        reduction=reduced.name,
         omega_squared=omega2,
         basis=reduced.shapes,
         amplitude=amplitude,
         coordinate=amplitude,
         coordinate_name=reduced.coordinate_name,
-        notes=reduced.notes,
+        notes=notes,
         improvement=reduced.improvement,
     )
 

@@ -23,6 +23,7 @@ from owt_model.contracts import (
 from owt_model.errors import ComputationError
 from owt_model.mesh import Mesh
 from owt_model.reduction_name import parse_reduction
+from owt_structure_node.core.auto import Target
 from owt_structure_node.core.motion import Motion, MotionState, Oscillators, integrate, static_state
 from owt_structure_node.core.recovery import (
     EndSections,
@@ -150,7 +151,8 @@ def build_response_model(case: CaseConfig, mesh: Mesh, basis: LoadBasis | None) 
     """
     structure = case.structure
     alpha, beta = structure.damping.alpha, structure.damping.beta
-    model = build_modal_model(mesh, structure.reduction, basis)
+    target = Target(structure.tolerance, alpha, beta, case.time.dt_s)
+    model = build_modal_model(mesh, structure.reduction, basis, target)
     rate, _ = modal_damping(model.omega_squared, alpha, beta)
     drag = drag_rate(model, basis)
     end_force = end_force_map(model.assembly, model.basis)

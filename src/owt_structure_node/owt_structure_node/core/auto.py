@@ -1,0 +1,179 @@
+"""The choice of ``auto``: the smallest basis whose estimated error in energy meets a tolerance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owt_model.contracts import LoadBasis
+from owt_model.errors import InputError
+from owt_model.reduction_name import AUTO_MODES, AUTO_VECTORS, parse_reduction
+from owt_structure_node.core.assembly import Assembly
+from owt_structure_node.core.error_estimate import ErrorEstimate, ErrorModel
+from owt_structure_node.core.modes import lowest_modes
+from owt_structure_node.core.reduction import Reduction, reduce
+
+__all__ = ["Choice", "Target", "auto_reduction", "candidates", "chosen_reduction", "spectral_note"]
+
+#: How far beyond the highest frequency of the loads the modes of the jacket should reach (thesis 3.6.1).
+REACH = 1.5
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a basis is chosen for.
+
+    Attributes
+    ----------
+    tolerance : float
+        Estimated relative error in mean potential energy that is allowed.
+    alpha, beta : float
+        Rayleigh coefficients.
+    dt : float
+        Time step of the loads in s.
+    """
+
+    tolerance: float
+    alpha: float
+    beta: float
+    dt: float
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The basis that was chosen, what is expected of it, and that in words."""
+
+    reduced: Reduction
+    estimate: ErrorEstimate
+    note: str
+
+
+def candidates(modes: int, vectors: int) -> list[str]:
+    """Names on the ladder of ``auto``, the smallest basis first, of equal ones that with more modes.
+
+    Parameters
+    ----------
+    modes, vectors : int
+        Fixed-interface modes and load vectors that there are.
+    """
+    pairs = [(m, v) for m in AUTO_MODES for v in AUTO_VECTORS if m <= modes and v <= vectors]
+    pairs.sort(key=lambda pair: (sum(pair), -pair[0]))
+    return [f"CB{m:02d}" + (f"M{v:02d}" if v else "") for m, v in pairs]
+
+
+def auto_reduction(
+    assembly: Assembly,
+    basis: LoadBasis,
+    target: Target,
+    *,
+    jacket_stiffness_factor: float = 1.0,
+) -> Choice:
+    """Choose the smallest basis that meets the tolerance and reaches beyond the frequencies of the loads.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The unreduced structure.
+    basis : LoadBasis
+        As many load vectors as the ladder asks for, or as the loads have.
+    target : Target
+        Tolerance, damping and time step.
+    jacket_stiffness_factor : float
+        As given to :func:`owt_structure_node.core.assembly.assemble`.
+
+    Returns
+    -------
+    Choice
+        Where no basis meets the tolerance the one of least estimated error, with a note that says so.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As :func:`owt_structure_node.core.reduction.reduce`.
+    """
+    tolerance = target.tolerance
+    if not 0.0 < tolerance < 1.0:
+        raise InputError("structure.tolerance", tolerance, "must lie between 0 and 1", "Use 0.001.")
+    model = ErrorModel(
+        assembly,
+        basis,
+        alpha=target.alpha,
+        beta=target.beta,
+        dt=target.dt,
+        jacket_stiffness_factor=jacket_stiffness_factor,
+    )
+    highest_hz = basis.highest_frequency / target.dt
+    best: tuple[Reduction, float] | None = None
+    for name in candidates(assembly.internal, len(basis.vectors)):
+        if spectral_note(assembly, name, highest_hz) is not None:
+            continue
+        reduced = reduce(assembly, name, basis, jacket_stiffness_factor=jacket_stiffness_factor)
+        error = model.energy_error(reduced)
+        if best is None or error < best[1]:
+            best = (reduced, error)
+        if error <= tolerance:
+            break
+    if best is None:
+        name = candidates(assembly.internal, len(basis.vectors))[-1]
+        best = (reduce(assembly, name, basis, jacket_stiffness_factor=jacket_stiffness_factor), np.inf)
+    estimate = model.estimate(best[0])
+    return Choice(best[0], estimate, _words(best[0].name, estimate, tolerance))
+
+
+def _words(name: str, estimate: ErrorEstimate, tolerance: float) -> str:
+    verdict = "meets" if estimate.energy <= tolerance else "is the best there is but does not meet"
+    return (
+        f"auto: {name} {verdict} tolerance {tolerance:g}: estimated error in energy {estimate.energy:.1e} "
+        f"(static {estimate.static:.1e}, dynamic {estimate.dynamic:.1e}), in member force "
+        f"{estimate.member_force:.1e} at worst ({estimate.member_end})"
+    )
+
+
+def spectral_note(assembly: Assembly, reduction: str, highest_hz: float) -> str | None:
+    """Say that a basis stops below 1.5 times the highest frequency of the loads (thesis 3.6.1), if it does.
+
+    The first fixed-interface mode that it leaves out decides. None too where that frequency is 0, not known.
+    """
+    kept = parse_reduction(reduction).fixed_interface_modes
+    n = assembly.internal
+    if highest_hz == 0.0 or kept >= n:
+        return None
+    omega2, _ = lowest_modes(assembly.jacket_stiffness[:n, :n], assembly.jacket_mass[:n, :n], kept + 1)
+    left_out = float(np.sqrt(omega2[-1])) / (2.0 * np.pi)
+    if left_out >= REACH * highest_hz:
+        return None
+    return (
+        f"{reduction} leaves out a mode of the jacket at {left_out:.2f} Hz, below {REACH} times the highest "
+        f"frequency of the loads, {highest_hz:.2f} Hz: keep more fixed-interface modes"
+    )
+
+
+def chosen_reduction(
+    assembly: Assembly,
+    reduction: str,
+    basis: LoadBasis | None,
+    target: Target | None,
+    *,
+    jacket_stiffness_factor: float = 1.0,
+) -> tuple[Reduction, tuple[str, ...]]:
+    """Reduce as named, or as ``auto`` chooses for the target; and what is to be noted.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As :func:`owt_structure_node.core.reduction.reduce`; also if ``auto`` has no loads or no target.
+    """
+    factor = jacket_stiffness_factor
+    if reduction == "auto":
+        if basis is None or target is None:
+            raise InputError(
+                "structure.reduction", reduction, "chooses a basis for given loads", "Give a load basis."
+            )
+        choice = auto_reduction(assembly, basis, target, jacket_stiffness_factor=factor)
+        return choice.reduced, (choice.note, *choice.reduced.notes)
+    reduced = reduce(assembly, reduction, basis, jacket_stiffness_factor=factor)
+    if basis is None or target is None:
+        return reduced, reduced.notes
+    note = spectral_note(assembly, reduction, basis.highest_frequency / target.dt)
+    return reduced, reduced.notes if note is None else (*reduced.notes, note)

@@ -61,7 +61,7 @@ def load_basis(
     mean = nodal.mean(axis=0)
     snapshots = (nodal - mean).reshape(n_snapshots, -1)
     variance = float(np.vdot(snapshots, snapshots))
-    if n_vectors == 0:
+    if n_vectors == 0 or variance == 0.0:
         bare = LoadBasis(
             model_hash, node, np.zeros((0, *mean.shape)), np.zeros(0), variance, mean, n_snapshots
         )

@@ -11,8 +11,7 @@ from owt_model.errors import InputError
 from owt_model.reduction_name import AUTO_MODES, AUTO_VECTORS, parse_reduction
 from owt_structure_node.core.assembly import Assembly
 from owt_structure_node.core.error_estimate import ErrorEstimate, ErrorModel
-from owt_structure_node.core.modes import lowest_modes
-from owt_structure_node.core.reduction import Reduction, reduce
+from owt_structure_node.core.reduction import Interior, Reduction, reduce, solve_interior
 
 __all__ = ["Choice", "Target", "auto_reduction", "candidates", "chosen_reduction", "spectral_note"]
 
@@ -104,19 +103,22 @@ def auto_reduction(
         jacket_stiffness_factor=jacket_stiffness_factor,
     )
     highest_hz = basis.highest_frequency / target.dt
+    ladder = candidates(assembly.internal, len(basis.vectors))
+    interior = solve_interior(assembly, min(AUTO_MODES[-1] + 1, assembly.internal))
     best: tuple[Reduction, float] | None = None
-    for name in candidates(assembly.internal, len(basis.vectors)):
-        if spectral_note(assembly, name, highest_hz) is not None:
+    for name in ladder:
+        if spectral_note(assembly, name, highest_hz, interior) is not None:
             continue
-        reduced = reduce(assembly, name, basis, jacket_stiffness_factor=jacket_stiffness_factor)
+        reduced = reduce(
+            assembly, name, basis, jacket_stiffness_factor=jacket_stiffness_factor, interior=interior
+        )
         error = model.energy_error(reduced)
         if best is None or error < best[1]:
             best = (reduced, error)
         if error <= tolerance:
             break
     if best is None:
-        name = candidates(assembly.internal, len(basis.vectors))[-1]
-        best = (reduce(assembly, name, basis, jacket_stiffness_factor=jacket_stiffness_factor), np.inf)
+        best = (reduce(assembly, ladder[-1], basis, jacket_stiffness_factor=jacket_stiffness_factor), np.inf)
     estimate = model.estimate(best[0])
     return Choice(best[0], estimate, _words(best[0].name, estimate, tolerance))
 
@@ -130,17 +132,19 @@ def _words(name: str, estimate: ErrorEstimate, tolerance: float) -> str:
     )
 
 
-def spectral_note(assembly: Assembly, reduction: str, highest_hz: float) -> str | None:
+def spectral_note(
+    assembly: Assembly, reduction: str, highest_hz: float, interior: Interior | None = None
+) -> str | None:
     """Say that a basis stops below 1.5 times the highest frequency of the loads (thesis 3.6.1), if it does.
 
     The first fixed-interface mode that it leaves out decides. None too where that frequency is 0, not known.
     """
     kept = parse_reduction(reduction).fixed_interface_modes
-    n = assembly.internal
-    if highest_hz == 0.0 or kept >= n:
+    if highest_hz == 0.0 or kept >= assembly.internal:
         return None
-    omega2, _ = lowest_modes(assembly.jacket_stiffness[:n, :n], assembly.jacket_mass[:n, :n], kept + 1)
-    left_out = float(np.sqrt(omega2[-1])) / (2.0 * np.pi)
+    if interior is None:
+        interior = solve_interior(assembly, kept + 1)
+    left_out = float(np.sqrt(interior.omega_squared[kept])) / (2.0 * np.pi)
     if left_out >= REACH * highest_hz:
         return None
     return (
@@ -172,8 +176,11 @@ def chosen_reduction(
             )
         choice = auto_reduction(assembly, basis, target, jacket_stiffness_factor=factor)
         return choice.reduced, (choice.note, *choice.reduced.notes)
-    reduced = reduce(assembly, reduction, basis, jacket_stiffness_factor=factor)
-    if basis is None or target is None:
+    name = parse_reduction(reduction)
+    if basis is None or target is None or name.fixed_interface_modes >= assembly.internal:
+        reduced = reduce(assembly, reduction, basis, jacket_stiffness_factor=factor)
         return reduced, reduced.notes
-    note = spectral_note(assembly, reduction, basis.highest_frequency / target.dt)
+    interior = solve_interior(assembly, name.fixed_interface_modes + 1)
+    reduced = reduce(assembly, reduction, basis, jacket_stiffness_factor=factor, interior=interior)
+    note = spectral_note(assembly, reduction, basis.highest_frequency / target.dt, interior)
     return reduced, reduced.notes if note is None else (*reduced.notes, note)

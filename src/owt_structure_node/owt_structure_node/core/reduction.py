@@ -25,7 +25,16 @@ from owt_structure_node.core.modes import Factor, factorise, lowest_modes
 from owt_structure_node.core.mta import Augmentation, augment
 from owt_structure_node.core.sim import StaticImprovement
 
-__all__ = ["GuyanModel", "Reduction", "guyan", "interface_loads", "load_vectors", "reduce"]
+__all__ = [
+    "GuyanModel",
+    "Interior",
+    "Reduction",
+    "guyan",
+    "interface_loads",
+    "load_vectors",
+    "reduce",
+    "solve_interior",
+]
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,15 @@ class Reduction:
     pseudo: Float[np.ndarray, " vector"]
     notes: tuple[str, ...] = ()
     improvement: StaticImprovement | None = None
+
+
+@dataclass(frozen=True)
+class Interior:
+    """What bases of one structure share: static reduction and lowest fixed-interface modes."""
+
+    static: GuyanModel
+    omega_squared: Float[np.ndarray, " mode"]
+    modes: Float[np.ndarray, "internal mode"]
 
 
 @dataclass(frozen=True)
@@ -99,12 +117,26 @@ def guyan(assembly: Assembly) -> GuyanModel:
     return GuyanModel(constraint, 0.5 * (k_bb + k_bb.T), 0.5 * (m_bb + m_bb.T), factor)
 
 
+def solve_interior(assembly: Assembly, modes: int) -> Interior:
+    """Reduce the jacket statically and find its `modes` lowest modes with the interface held.
+
+    Raises
+    ------
+    ComputationError
+        If the factorisation or the eigenvalue problem fails.
+    """
+    n = assembly.internal
+    k_ii, m_ii = assembly.jacket_stiffness[:n, :n], assembly.jacket_mass[:n, :n]
+    return Interior(guyan(assembly), *lowest_modes(csc_array(k_ii), csc_array(m_ii), modes))
+
+
 def reduce(
     assembly: Assembly,
     reduction: str,
     basis: LoadBasis | None = None,
     *,
     jacket_stiffness_factor: float = 1.0,
+    interior: Interior | None = None,
 ) -> Reduction:
     """Build the basis of a reduced model and project onto it [eq. 3.55-3.57].
 
@@ -120,6 +152,8 @@ def reduce(
         Load vectors for the augmentation.
     jacket_stiffness_factor : float
         As given to :func:`owt_structure_node.core.assembly.assemble`.
+    interior : Interior, optional
+        Of this structure, with at least as many modes, where it is known.
 
     Raises
     ------
@@ -132,10 +166,12 @@ def reduce(
     name = parse_reduction(reduction)
     _check(name, assembly, reduction, basis)
     n_i = assembly.internal
-    static = guyan(assembly)
+    if interior is None:
+        interior = solve_interior(assembly, name.fixed_interface_modes)
+    static, kept_modes = interior.static, slice(0, name.fixed_interface_modes)
+    omega2, phi = interior.omega_squared[kept_modes], interior.modes[:, kept_modes]
     k_ii = csc_array(assembly.jacket_stiffness[:n_i, :n_i])
     m_ii = csc_array(assembly.jacket_mass[:n_i, :n_i])
-    omega2, phi = lowest_modes(k_ii, m_ii, name.fixed_interface_modes)
     loads = _augmenting_loads(name, assembly, static, basis)
     added = augment(static.factor, k_ii, m_ii, phi, loads, name.order)
     sigma2 = added.sigma_squared

@@ -19,6 +19,7 @@ from owt_postproc.core.stage import POINT_ANGLE_DEG
 from owt_postproc.core.statistics import statistics
 from owt_postproc.figures import all_figures
 from owt_postproc.plot_style import Figure
+from owt_postproc.report_case import case_facts
 from owt_postproc.report_data import ReportData
 
 __all__ = ["head_figures", "render", "summary", "write_report"]
@@ -181,10 +182,13 @@ def _figure(figure: Figure) -> str:
 
 
 def _subtitle(data: ReportData) -> str:
-    sea = data.sea_state
+    sea, regular = data.sea_state, data.case.get("regular")
     parts = [f"{data.reduced.model_name}, {data.reduced.reduction}"]
     if sea.get("hs_m"):
         parts.append(f"Hs {sea['hs_m']:g} m, Tp {sea['tp_s']:g} s, towards {sea['direction_deg']:g}°")
+    elif regular:
+        size = f"T {regular['period_s']:g} s" if regular.get("period_s") else f"L {regular['length_m']:g} m"
+        parts.append(f"regular wave ({regular['theory']}), H {regular['height_m']:g} m, {size}")
     parts.append(f"{data.fatigue.duration_s:.0f} s")
     if not data.complete:
         parts.append("INCOMPLETE: the recording broke off before its last block")
@@ -254,6 +258,7 @@ def _facts_of(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]]:
                 ("samples per point", data.fatigue.samples),
             ],
         ),
+        ("Case, where it is not the default", case_facts(data.case) or [("all defaults", "-")]),
         ("Versions", list(data.versions.items()) or [("not recorded", "-")]),
     ]
 

@@ -9,6 +9,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from owt_model.config import parse_case
 from owt_model.contracts import StressBlock
 from owt_model.errors import ComputationError, InputError
 from owt_postproc.bag_report import bag_report
@@ -17,6 +18,7 @@ from owt_postproc.core.stage import build_fatigue_model, final, initial_state, s
 from owt_postproc.figures import all_figures
 from owt_postproc.plot_style import envelope
 from owt_postproc.report import render, summary, write_report
+from owt_postproc.report_case import case_facts
 from owt_postproc.report_data import ReportCollector, mesh_geometry
 
 FIGURES = [
@@ -103,7 +105,7 @@ def test_size(page):
 def test_what_it_says(page, data):
     for text in ("CB10M10", "T_cathodic_protection", "DNV-RP-C203", data.end_name, "Hs 6 m", np.__version__):
         assert text in page
-    assert page.count("<table") == 7
+    assert page.count("<table") == 8
 
 
 def test_text_is_escaped(data):
@@ -210,3 +212,21 @@ def test_short_lines_are_complete():
     x = np.arange(10.0)
     assert envelope(x, x)[2] == 1
     assert envelope(x, x)[0] is x
+
+
+def test_a_case_is_shown_as_far_as_it_is_not_the_default():
+    case = parse_case(
+        {
+            "regular": {"height_m": 12.0, "period_s": 11.0},
+            "morison": {"hydrodynamic_damping": True, "cd": [[0.0, 1.1], [-50.0, 0.7]]},
+            "current": {"speed_m_s": 0.8},
+        }
+    ).model_dump(mode="json")
+    facts = dict(case_facts(case))
+    assert facts["regular.height_m"] == 12.0
+    assert facts["regular.theory"] == "stream"  # a default, yet part of what the sea is
+    assert facts["morison.hydrodynamic_damping"] == "on"
+    assert facts["morison.cd"] == "[[0.0, 1.1], [-50.0, 0.7]]"
+    assert facts["current.speed_m_s"] == 0.8
+    assert not {"morison.cm", "wave.order", "structure.model"} & set(facts)
+    assert case_facts(parse_case({}).model_dump(mode="json")) == []

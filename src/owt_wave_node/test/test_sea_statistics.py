@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
@@ -116,3 +117,14 @@ def test_report_is_plain_numbers() -> None:
     assert data["record"]["total"]["skewness"] > data["record"]["first_order"]["skewness"]
     assert data["regime"]["members"] == []
     assert [row["probability"] for row in data["crests"]] == [0.1, 0.01, 0.001]
+
+
+def test_a_regular_wave_has_no_spectrum() -> None:
+    """Its height and period are those asked for; nothing of an irregular sea is said of it."""
+    report = sea_report(parse_case({"regular": {"height_m": 6.0, "period_s": 10.0}}))
+    assert report.spectrum is None
+    assert report.first is None
+    assert not report.crests
+    assert report.total.hmax_m == pytest.approx(6.0, abs=1e-3)  # samples miss the crest by up to half a step
+    assert report.total.tz_s == pytest.approx(10.0, rel=1e-6)
+    assert json.dumps(report.as_dict(), allow_nan=False)

@@ -28,13 +28,15 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.graph import run_graph
     from owt_bringup.output import ProgressBar
     from owt_bringup.results import print_table, write_results
+    from owt_bringup.sea_notes import print_warnings
     from owt_model.structure import load_structure
     from owt_postproc.bag_report import bag_report
     from owt_postproc.report import head_figures
 
     start = time.perf_counter()
     case = case_from_flags(options)
-    load_structure(case.structure.model).check_water_depth(case.water_depth_m)
+    structure = load_structure(case.structure.model)
+    structure.check_water_depth(case.water_depth_m)
     bar = ProgressBar("graph")
     try:
         result = run_graph(case, options.bag, overwrite=options.bag == DEFAULT_BAG, progress=bar.callback)
@@ -53,4 +55,5 @@ def run(options: argparse.Namespace) -> int:
             ("report", str(options.bag / "report.html")),
         ]
     )
+    print_warnings(case, structure)
     return 0

@@ -48,39 +48,48 @@ def run(options: argparse.Namespace) -> int:
 
 def _rows(report: SeaReport) -> list[tuple[str, str]]:
     """What a user wants to see of the sea."""
-    s, regime = report.spectrum, report.regime
+    regime = report.regime
     wave, largest = regime.wave, regime.largest
-    regular = wave == largest
-    moments = ", ".join(f"m{n} {s.m(n):.4g}" for n in range(-1, 5))
-    rows = [
-        ("significant wave height Hm0", f"{s.hm0_m:.3f} m"),
-        ("periods Tp, Tm-10, Tm01, Tm02",
-         f"{s.peak_period_s:.2f}, {s.tm10_s:.2f}, {s.tm01_s:.2f}, {s.tm02_s:.2f} s"),
-        ("spectral moments, m2 Hz^n", moments),
-        ("bandwidth nu, epsilon", f"{s.width:.3f}, {s.broadness:.3f}"),
-    ]  # fmt: skip
-    for name, record in (("first order", report.first), ("total", report.total)):
-        rows += [(f"record, {name}: {label}", text) for label, text in _record(record)]
+    regular = report.spectrum is None
+    rows: list[tuple[str, str]] = []
+    if report.spectrum is not None:
+        s = report.spectrum
+        moments = ", ".join(f"m{n} {s.m(n):.4g}" for n in range(-1, 5))
+        rows += [
+            ("significant wave height Hm0", f"{s.hm0_m:.3f} m"),
+            ("periods Tp, Tm-10, Tm01, Tm02",
+             f"{s.peak_period_s:.2f}, {s.tm10_s:.2f}, {s.tm01_s:.2f}, {s.tm02_s:.2f} s"),
+            ("spectral moments, m2 Hz^n", moments),
+            ("bandwidth nu, epsilon", f"{s.width:.3f}, {s.broadness:.3f}"),
+        ]  # fmt: skip
+    if report.first is not None:
+        rows += [(f"record, first order: {label}", text) for label, text in _record(report.first)]
+    kind = "record" if regular else "record, total"
+    rows += [(f"{kind}: {label}", text) for label, text in _record(report.total)]
     rows += [(f"crest exceeded by {p:g} of the waves", _crests(row)) for p, row in report.crests.items()]
     rows += [
         (
             "regular wave" if regular else "wave of Hs and Tp",
             f"H {wave.height_m:.3g} m, T {wave.period_s:.3g} s, L {wave.length_m:.4g} m",
         ),
-        ("steepness H/L, 2 pi Hs/(g Tp^2)", f"{wave.steepness:.4f}, {regime.sea_steepness:.4f}"),
         (
             "depth d/L, Ursell number H L^2/d^3",
             f"{wave.relative_depth:.3f} ({wave.water}), {wave.ursell:.3g}",
         ),
         ("wave theory", wave.theory),
-        (f"largest of {regime.n_waves:.0f} waves", f"H {largest.height_m:.3g} m: {largest.theory}"),
         ("breaking height (Miche, 0.78 d)", f"{wave.breaking_height_m:.3g} m"),
+    ]
+    if regular:
+        return [*rows, ("steepness H/L", f"{wave.steepness:.4f}")]
+    return [
+        *rows,
+        ("steepness H/L, 2 pi Hs/(g Tp^2)", f"{wave.steepness:.4f}, {regime.sea_steepness:.4f}"),
+        (f"largest of {regime.n_waves:.0f} waves", f"H {largest.height_m:.3g} m: {largest.theory}"),
         (
             "cut-off used, sqrt(2 g/Hs)",
             f"{regime.cutoff_rad_s:.3f}, {regime.steepness_cutoff_rad_s:.3f} rad/s",
         ),
     ]
-    return rows
 
 
 def _record(record: Any) -> list[tuple[str, str]]:

@@ -40,17 +40,17 @@ class SeaReport:
 
     Attributes
     ----------
-    spectrum : SpectralStatistics
-        Of the components as realised.
+    spectrum : SpectralStatistics, optional
+        Of the components as realised; None for a regular wave, which has no spectrum.
     first, total : RecordStatistics
-        Of the record at the first gauge.
+        Of the record at the first gauge; `first` is None for a regular wave.
     crests : dict
         Exceedance probability -> crest height in m over the record's mean, counted in the total record
-        (None where it is too short) and by Rayleigh, Tayfun and Forristall.
+        (None where it is too short) and by Rayleigh, Tayfun and Forristall; empty for a regular wave.
     """
 
-    spectrum: SpectralStatistics
-    first: RecordStatistics
+    spectrum: SpectralStatistics | None
+    first: RecordStatistics | None
     total: RecordStatistics
     crests: dict[float, dict[str, float | None]]
     regime: SeaRegime
@@ -59,8 +59,11 @@ class SeaReport:
         """Plain numbers with units in their keys, as JSON holds them."""
         regime = self.regime
         return {
-            "spectrum": self.spectrum.as_dict(),
-            "record": {"first_order": self.first.as_dict(), "total": self.total.as_dict()},
+            "spectrum": None if self.spectrum is None else self.spectrum.as_dict(),
+            "record": {
+                "first_order": None if self.first is None else self.first.as_dict(),
+                "total": self.total.as_dict(),
+            },
             "crests": [{"probability": p, **row} for p, row in self.crests.items()],
             "regime": {
                 "wave": regime.wave.as_dict(),
@@ -90,8 +93,10 @@ def sea_report(case: CaseConfig, structure: Structure | None = None) -> SeaRepor
     regime = sea_regime(case, sea, structure)
     gauge = Frame(sea.direction_deg).place(np.array(case.gauges_m[:1], dtype=float))
     first, second = make_field(case, sea).elevation(gauge)
-    spectrum = component_statistics(sea.omega_rad_s, sea.amplitude_m)
     total = record_statistics(first[0] + second[0], sea.dt_s)
+    if case.regular is not None:
+        return SeaReport(spectrum=None, first=None, total=total, crests={}, regime=regime)
+    spectrum = component_statistics(sea.omega_rad_s, sea.amplitude_m)
     return SeaReport(
         spectrum=spectrum,
         first=record_statistics(first[0], sea.dt_s),

@@ -20,8 +20,9 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from owt_model.errors import ComputationError
+from owt_wave_node.core.chebyshev import chebyshev_basis
 from owt_wave_node.core.grid import FrequencyGrid
-from owt_wave_node.core.parallel import map_threads
+from owt_wave_node.core.parallel import map_threads, slices
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import set_down
 from owt_wave_node.core.window import FINE, QUICK, Bell, Window, spread_window
@@ -50,17 +51,9 @@ Nodes = Float[np.ndarray, " node"]
 Spread = tuple[Int[np.ndarray, " row"], Float[np.ndarray, "row width"]]
 
 
-def _basis(count: int) -> tuple[Nodes, Float[np.ndarray, "count node"]]:
-    """Chebyshev nodes in [-1, 1] and the matrix that takes values there to coefficients of the series."""
-    angle = np.pi * (np.arange(count) + 0.5) / count
-    matrix = np.cos(np.outer(np.arange(count), angle)) * (2.0 / count)
-    matrix[0] *= 0.5
-    return np.cos(angle), matrix
-
-
 def _interpolation_error(count: int, half: float, reach: float, depth: float) -> Float[np.ndarray, " level"]:
     """Error of a polynomial through `count` nodes at the edge of a stretch, at several levels."""
-    node, matrix = _basis(count)
+    node, matrix = chebyshev_basis(count)
     check = np.cos(np.linspace(0.0, np.pi, 4 * count + 1))
     interpolate = np.cos(np.outer(np.arccos(check), np.arange(count))) @ matrix
     exponent = -np.array(LEVELS) * depth - 1j * reach
@@ -108,7 +101,7 @@ class CompressedSea:
         self.bins = None if grid is None else np.unique(grid.bins)
         self.half = 0.5 * waves.order * float(waves.wavenumber.max())
         self.reach = STRETCH / self.half
-        place, self.matrix = _basis(self._enough() if nodes is None else nodes)
+        place, self.matrix = chebyshev_basis(self._enough() if nodes is None else nodes)
         self.wavenumber = self.half * (place + 1.0)
         self.node_error = _interpolation_error(place.size, self.half, self.reach, waves.depth)
         if grid is None or self.bins is None:
@@ -240,8 +233,7 @@ def product(
     The bits do not depend on the number of threads, which those of a BLAS do.
     """
     out = np.empty((len(factor), table.shape[2]), dtype=complex)
-    rows = [slice(i, i + TOGETHER) for i in range(0, len(factor), TOGETHER)]
-    map_threads(lambda some: _kernel.product(factor[some], table, out[some]), rows)
+    map_threads(lambda some: _kernel.product(factor[some], table, out[some]), slices(len(factor), TOGETHER))
     return out
 
 

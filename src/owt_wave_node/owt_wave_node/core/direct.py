@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
+from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import pair_tables, set_down
@@ -63,11 +64,8 @@ class DirectField:
         waves = self.waves
         step = max(1, BLOCK // waves.omega.size)
         return [
-            (
-                slice(i, min(i + step, waves.n)),
-                np.exp(1j * np.outer(np.arange(i, min(i + step, waves.n)) * waves.dt, waves.omega)),
-            )
-            for i in range(0, waves.n, step)
+            (rows, np.exp(1j * np.outer(np.arange(rows.start, rows.stop) * waves.dt, waves.omega)))
+            for rows in slices(waves.n, step)
         ]
 
     def elevation(self, place: Place) -> tuple[Series, Series]:

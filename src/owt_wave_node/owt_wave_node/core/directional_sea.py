@@ -15,13 +15,13 @@ from jaxtyping import Complex, Float, Int
 
 from owt_wave_node.core.field import Place, Profile
 from owt_wave_node.core.grid import PHASE_TOLERANCE, frequency_grid
-from owt_wave_node.core.parallel import map_threads, thread_count
+from owt_wave_node.core.parallel import map_threads, slices, thread_count
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import set_down
 from owt_wave_node.kernels import directional as _kernel
 
-__all__ = ["Coefficients", "DirectionalSea", "slices"]
+__all__ = ["Coefficients", "DirectionalSea"]
 
 #: Points per task of a thread, and bytes of coefficients of a task.
 CHUNK, TASK_BYTES = 64, 2**25
@@ -203,8 +203,3 @@ class DirectionalSea:
         out = np.zeros((len(place), 3, self.frequency.size), dtype=complex)
         self._first_order(place, horizontal, vertical, out)
         return out
-
-
-def slices(size: int, step: int) -> list[slice]:
-    """Consecutive ranges of at most `step`."""
-    return [slice(i, min(i + step, size)) for i in range(0, size, step)]

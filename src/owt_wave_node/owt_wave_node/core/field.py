@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Complex, Float, Inexact, Int
 
 from owt_wave_node.core.grid import FrequencyGrid
-from owt_wave_node.core.parallel import map_threads
+from owt_wave_node.core.parallel import map_threads, slices
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import pair_tables, set_down
@@ -183,7 +183,7 @@ class GridField:
                 level = second_order_level(z[rows], waves.stretching)
                 self._add_second(phasor, level, tables, out[rows], image=True)
 
-        map_threads(part, [slice(i, min(i + CHUNK, x.size)) for i in range(0, x.size, CHUNK)])
+        map_threads(part, slices(x.size, CHUNK))
         return out
 
     def first(self, place: Place) -> Kinematics:

@@ -11,6 +11,7 @@ from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, InputError
 from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.field import Field
+from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import Frame, build_sea_state
@@ -68,8 +69,7 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
     n, size = case.time.n, len(place)
     eta = np.empty((2, n, size))
     motion = np.empty((4, n, size, 3))
-    for i in range(0, size, BLOCK):
-        rows = slice(i, min(i + BLOCK, size))
+    for rows in slices(size, BLOCK):
         _fill(field, place[rows], frame, eta[:, :, rows], motion[:, :, rows])
     motion[0, :, :, :2] += current_velocity(case, z)
     if not (np.isfinite(eta).all() and np.isfinite(motion).all()):

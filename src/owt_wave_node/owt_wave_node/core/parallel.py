@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-__all__ = ["map_threads", "thread_count"]
+__all__ = ["map_threads", "slices", "thread_count"]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -19,6 +19,11 @@ def thread_count() -> int:
     asked = os.environ.get("OWT_THREADS", "")
     available = int(asked) if asked.isdigit() else len(os.sched_getaffinity(0))
     return max(1, min(available, MAX_THREADS))
+
+
+def slices(size: int, step: int) -> list[slice]:
+    """Consecutive ranges of at most `step` that cover `size`."""
+    return [slice(i, min(i + step, size)) for i in range(0, size, step)]
 
 
 def map_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:

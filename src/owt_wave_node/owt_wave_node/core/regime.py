@@ -17,7 +17,7 @@ from owt_wave_node.core.coefficients import coefficient_at
 from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.sea_statistics import component_statistics
 from owt_wave_node.core.wave_theory import (
-    MAX_URSELL,
+    LONG_WAVE_URSELL,
     THEORIES,
     RegularRegime,
     regular_regime,
@@ -193,6 +193,7 @@ def _member(
 
 
 def _warnings(case: CaseConfig, found: SeaRegime) -> tuple[str, ...]:
+    """One line for each model that `case` uses outside its range."""
     lines = _load_warnings(case, found)
     if case.regular is not None:
         return (*lines, *_regular_warnings(case, found))
@@ -208,6 +209,7 @@ def _warnings(case: CaseConfig, found: SeaRegime) -> tuple[str, ...]:
 
 
 def _load_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
+    """Members so thick that they diffract the waves, which Morison's equation leaves out."""
     # Below half a wave length nothing moves, and nothing diffracts.
     reach = -0.5 * found.wave.length_m
     diffracting = [m for m in found.members if m.load == "diffraction" and m.level_m[0] > reach]
@@ -222,6 +224,7 @@ def _load_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
 
 
 def _second_order_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
+    """Seas too steep or too shallow for the second order, and cut-offs above where it holds."""
     lines = []
     wave = found.wave
     steepest = float(np.interp(wave.period_s, *SEA_STEEPNESS))
@@ -240,10 +243,10 @@ def _second_order_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
             f"{found.steepness_cutoff_rad_s:.3g} rad/s, up to which second order holds: crest velocities "
             f"depend on it. {remedy}, or compare both."
         )
-    if wave.ursell > MAX_URSELL:
+    if wave.ursell > LONG_WAVE_URSELL:
         lines.append(
-            f"Ursell number Hs L^2/d^3 = {wave.ursell:.3g} is above {MAX_URSELL:g}: second order does not "
-            "hold in water this shallow. Use a regular wave of stream function theory."
+            f"Ursell number Hs L^2/d^3 = {wave.ursell:.3g} is above {LONG_WAVE_URSELL:g}: second order does "
+            "not hold in water this shallow. Use a regular wave of stream function theory."
         )
     return lines
 
@@ -257,6 +260,7 @@ def _longest_enough(wave: RegularRegime) -> float:
 
 
 def _regular_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
+    """A regular wave that breaks, or that its theory does not describe."""
     regular, wave = case.regular, found.wave
     assert regular is not None
     if wave.theory == "breaking":

@@ -26,7 +26,7 @@ RESIDUAL = 1e-13
 #: In shallow water full steps from the linear wave end in solutions of several crests.
 STEPS = ((1.0, 30), (0.5, 80), (0.25, 200))
 #: Largest Ursell number H L^2 / d^3 of a Stokes wave (Fenton 1990, Nonlinear wave theories, The Sea 9).
-MAX_URSELL = 40.0
+MAX_FIFTH_ORDER_URSELL = 40.0
 #: Rise between samples from crest to trough, over the height, that may be left of a series cut off; several
 #: crests rise by more than 0.1.
 RIPPLE = 1e-2
@@ -158,11 +158,11 @@ def _check(theory: str, height: float, length: float, depth: float) -> None:
             "Lower it, or give a longer wave.",
         )
     ursell = height * length**2 / depth**3
-    if theory == "stokes" and ursell > MAX_URSELL:
+    if theory == "stokes" and ursell > MAX_FIFTH_ORDER_URSELL:
         raise InputError(
             "regular.theory",
             theory,
-            f"does not hold at H L^2 / d^3 = {ursell:.3g}, above {MAX_URSELL:g}",
+            f"does not hold at H L^2 / d^3 = {ursell:.3g}, above {MAX_FIFTH_ORDER_URSELL:g}",
             "Use theory stream.",
         )
 

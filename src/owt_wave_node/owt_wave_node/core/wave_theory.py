@@ -20,7 +20,7 @@ __all__ = ["THEORIES", "RegularRegime", "breaking_height", "harmonics", "linear_
 #: Share of the linear wave below which a harmonic is left out.
 NEGLIGIBLE = 0.01
 #: Ursell number H L^2 / d^3 between Stokes and long waves (Le Méhauté 1976).
-MAX_URSELL = 26.0
+LONG_WAVE_URSELL = 26.0
 #: Share of the breaking height above which a series of five terms does not suffice.
 NEAR_BREAKING = 0.9
 #: Largest height over depth of a wave on a flat bed (McCowan 1894), which rules in very shallow water.
@@ -127,7 +127,7 @@ def regular_regime(*, height: float, period: float, depth: float, gravity: float
     order = next((n for n, ratio in left_out if ratio < NEGLIGIBLE), None)
     if height >= limit:
         theory = "breaking"
-    elif order is None or height * length**2 / depth**3 > MAX_URSELL or height > NEAR_BREAKING * limit:
+    elif order is None or height * length**2 / depth**3 > LONG_WAVE_URSELL or height > NEAR_BREAKING * limit:
         theory = "stream function"
     else:
         theory = "airy" if order == 1 else f"stokes {order}"

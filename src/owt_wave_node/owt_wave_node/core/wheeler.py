@@ -7,12 +7,11 @@ mean square, and interpolated in z' at every time.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from jaxtyping import Float, Int
 
 from owt_model.errors import ComputationError
+from owt_wave_node.core.chebyshev import chebyshev_basis
 from owt_wave_node.core.field import (
     Field,
     Kinematics,
@@ -33,15 +32,6 @@ TOLERANCE = 1e-11
 MAX_LEVELS = 400
 #: Numbers of levels that are tried at a time.
 BLOCK = 20
-
-
-@lru_cache(maxsize=MAX_LEVELS)
-def _chebyshev(count: int) -> tuple[Float[np.ndarray, " level"], Float[np.ndarray, "order level"]]:
-    """Return `count` levels in (-1, 1), and the matrix from values there to coefficients of the series."""
-    angle = np.pi * (np.arange(count) + 0.5) / count
-    transform = np.cos(np.outer(np.arange(count), angle)) * (2.0 / count)
-    transform[0] *= 0.5
-    return np.cos(angle), transform
 
 
 def _level_count(waves: Waves, middle: float, half: float) -> int:
@@ -109,7 +99,7 @@ class WheelerField:
         low, high = float(wet.min()), float(wet.max())
         middle, half = 0.5 * (high + low), max(0.5 * (high - low), 1e-12)
         count = _level_count(self.waves, middle, half)
-        node, transform = _chebyshev(count)
+        node, transform = chebyshev_basis(count)
         profile = first_order_profile(
             self.wavenumber,
             np.minimum(middle + half * node, 0.0),

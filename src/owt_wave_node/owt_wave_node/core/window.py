@@ -20,6 +20,7 @@ from jaxtyping import Complex, Float, Int
 from owt_model.errors import ComputationError
 from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
 from owt_wave_node.core.grid import FrequencyGrid
+from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.transform import plan_transform
 from owt_wave_node.kernels import compressed as _kernel
 
@@ -252,9 +253,7 @@ class SlicedField:
         self, evaluate: Callable[[slice], Float[np.ndarray, "some channel time"]], size: int
     ) -> Kinematics:
         step = max(1, SLICE_BYTES // (16 * self.n_axes * self._whole.n))
-        parts = [
-            evaluate(slice(i, min(i + step, size)))[..., self._samples].copy() for i in range(0, size, step)
-        ]
+        parts = [evaluate(rows)[..., self._samples].copy() for rows in slices(size, step)]
         return np.concatenate(parts) if parts else np.zeros((0, 2 * self.n_axes, self.n))
 
     def elevation(self, place: Place) -> tuple[Series, Series]:

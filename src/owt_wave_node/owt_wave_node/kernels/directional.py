@@ -206,10 +206,11 @@ def _phases(x, y, k_x, k_y, amplitude, re, im):
 
 @njit(cache=True, nogil=True)
 def level_velocity(x, y, z, k_x, k_y, amplitude, depth, tables, listed, j, slots, out):
-    """Add the second-order velocities of points at one level z to out [point, 3, slot].
+    """Add the second-order velocities in m/s of points at one level z to out [point, 3, slot].
 
-    `tables` and `slots` are pairs (sums, differences). A pair is kept at the slot listed there, or where
-    `listed` is false at j_m +- j_n.
+    `x`, `y` [point], `z` and `depth` in m; `k_x`, `k_y` [component] in rad/m; `amplitude` [component],
+    complex, in m. `tables` and `slots` are pairs (sums, differences); tables in 1/s, as :func:`tables` fills
+    them. A pair is kept at the slot listed there, or where `listed` is false at j_m +- j_n.
     """
     points, size, n_slots = x.size, k_x.size, out.shape[2]
     re, im = np.empty((points, size)), np.empty((points, size))
@@ -256,7 +257,10 @@ def level_velocity(x, y, z, k_x, k_y, amplitude, depth, tables, listed, j, slots
 
 @njit(cache=True, nogil=True)
 def elevation(x, y, k_x, k_y, amplitude, set_down, tables, listed, j, slots, out):
-    """Add the second-order elevation, mean `set_down` included, to out [point, slot]; slots as above."""
+    """Add the second-order elevation in m, mean `set_down` in m included, to out [point, slot].
+
+    `tables` are those of the surface, in 1/m; all else as in :func:`level_velocity`.
+    """
     points, size = x.size, k_x.size
     re, im = np.empty((points, size)), np.empty((points, size))
     _phases(x, y, k_x, k_y, amplitude, re, im)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from owt_bringup.cli import COMMANDS
 
 ROOT = Path(__file__).parents[1]
 WITH_HELP = ("setup", "doctor", "test", "lint", "bench", "clean", "run")
@@ -85,6 +88,13 @@ def test_a_change_is_noticed_from_any_folder(workspace: Path, tmp_path: Path, na
     for cwd in (workspace, tmp_path):
         result = bash("all_up_to_date && echo yes || echo no", workspace, cwd)
         assert (result.stdout, result.stderr) == ("no\n", "")
+
+
+def test_usage_names_every_command(workspace: Path, tmp_path: Path) -> None:
+    """Of the workspace, and of the command line that takes the rest."""
+    usage = owt(workspace, "--help", cwd=tmp_path).stdout
+    named = set(re.findall(r"^  ([a-z]+) ", usage, re.MULTILINE))
+    assert named == {*WITH_HELP, *COMMANDS}
 
 
 @pytest.mark.parametrize("flag", ["-h", "--help"])

@@ -1,8 +1,9 @@
 """Motion of the decoupled equations (thesis appendix F): oscillators, their state, the driver over blocks.
 
-Damping is proportional, so that the assembled reduced model splits exactly into single oscillators; a
-method on the coupled system and on each mode gives the same numbers, and a scalar recurrence
-(:mod:`~owt_structure_node.core.integrators`) replaces the matrix solve.
+Rayleigh damping is proportional, so that the assembled reduced model splits exactly into single oscillators;
+a method on the coupled system and on each mode gives the same numbers, and a scalar recurrence
+(:mod:`~owt_structure_node.core.integrators`) replaces the matrix solve. Hydrodynamic damping is not
+proportional: only its diagonal in the modes is kept (:func:`~owt_structure_node.core.response.drag_rate`).
 """
 
 from __future__ import annotations

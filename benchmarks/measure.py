@@ -83,9 +83,18 @@ class Table:
         self.rows: list[Row] = []
 
     def add(
-        self, part: str, what: str, time: Timing | Process, beside: Mapping[str, float] | None = None
+        self,
+        part: str,
+        what: str,
+        time: Timing | Process,
+        beside: Mapping[str, float] | None = None,
+        quoted: Mapping[str, float] | None = None,
     ) -> None:
-        """Add a figure; `beside` holds times in s of other ways to do the same."""
+        """Add a figure; `beside` holds times in s of other ways to do the same, measured in this run.
+
+        `quoted` holds processor times in s that others give, on other machines; they are marked as such and
+        set against processor time.
+        """
         row: Row = {"part": part, "what": what, "wall_s": time.wall, "cpu_s": time.cpu}
         text = f"{what:<62} {time.wall:9.4f} s  {time.cpu:9.4f} s CPU"
         if isinstance(time, Process):
@@ -94,6 +103,12 @@ class Table:
         if beside:
             row["beside_s"] = dict(beside)
             text += "".join(f"; {name}: {s:.4g} s ({s / time.wall:.3g} x)" for name, s in beside.items())
+        if quoted:
+            row["quoted_cpu_s"] = dict(quoted)
+            text += "".join(
+                f"; quoted, not measured here: {name}: {s:.4g} s CPU ({s / time.cpu:.3g} x)"
+                for name, s in quoted.items()
+            )
         self.rows.append(row)
         print(text, flush=True)
 

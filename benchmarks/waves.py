@@ -11,8 +11,8 @@ import numpy as np
 from benchmarks.alternatives import second_order_double_sum
 from benchmarks.measure import Table, Timing, timing
 
-#: Processor time in s of the same work elsewhere, two processors, as printed; not measured here.
-PEERS = {
+#: Processor time in s of the same work elsewhere, two processors: quoted, not measured here.
+QUOTED = {
     2: {
         "OpenFAST HydroDyn 5.0, grid fine enough for 4e-4": 627.0,
         "OpenFAST HydroDyn 5.0, grid of its jacket example (26 % off)": 112.0,
@@ -99,8 +99,9 @@ def _loads(table: Table, order: int, per_point: float) -> None:
     beside = {"matrix product 1500 x 1500": table.matmul}
     if order == 2:
         beside["numpy double sum at every station, one of four channels"] = per_point * len(place)
-    beside |= PEERS[order]
-    table.add(f"loads {order}", f"loads on the jacket, {name}, {len(place)} stations", total, beside)
+    table.add(
+        f"loads {order}", f"loads on the jacket, {name}, {len(place)} stations", total, beside, QUOTED[order]
+    )
     rest = total
     for label, work in parts.items():
         part = timing(work)

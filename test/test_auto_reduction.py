@@ -35,7 +35,7 @@ def test_the_graph_chooses_what_the_process_chooses() -> None:
 
 def test_loads_of_nothing_leave_the_modes() -> None:
     """Without drag and inertia no augmentation vectors remain: CB10M10 runs as CB10, and says so."""
-    nothing = {"morison": {"cd": 0.0, "cm": 0.0}, "time": {"n": 20}}
+    nothing = {"morison": {"cd": 0.0, "cm": 0.0}, "time": {"n": 200}}
     case = parse_case(nothing | {"structure": {"model": "oc4-thesis", "reduction": "CB10M10"}})
     reduced = run_case(case).report.reduced
     assert sum(name.startswith("CB.") for name in reduced.coordinate_name) == 10

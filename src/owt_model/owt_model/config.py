@@ -197,8 +197,8 @@ class Stream(Frozen):
 class CaseConfig(Frozen):
     """One load case, from the sea to the damage."""
 
-    water_depth_m: float = Field(50.0, gt=0.0, le=5000.0, description="water depth in m")
-    gravity_m_s2: float = Field(9.81, gt=0.0, le=30.0, description="gravity in m/s2")
+    water_depth_m: float = Field(50.0, ge=0.1, le=5000.0, description="water depth in m")
+    gravity_m_s2: float = Field(9.81, ge=0.1, le=30.0, description="gravity in m/s2")
     density_kg_m3: float = Field(1025.0, gt=0.0, le=3000.0, description="water density in kg/m3")
     sea_state: SeaStateConfig | None = Field(default_factory=SeaStateConfig)
     components: Components | None = None

@@ -24,7 +24,7 @@ REFUSED = [
     ({"sea_state": {"typo": 1}}, "sea_state.typo", "not a known key"),
     ({"sea_state": None}, "sea_state", "must be given once"),
     ({"typo": 1}, "typo", "not a known key"),
-    ({"water_depth_m": -5}, "water_depth_m", "greater than 0"),
+    ({"water_depth_m": -5}, "water_depth_m", "greater than or equal to 0.1"),
     ({"time": {"n": 0}}, "time.n", "greater than"),
     ({"time": {"dt_s": float("nan")}}, "time.dt_s", "finite"),
     ({"time": {"dt_s": 1e9}}, "time.dt_s", "less than"),

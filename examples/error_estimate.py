@@ -8,6 +8,7 @@ the loads alone. docs/error_estimate.md says what came of it.
 from __future__ import annotations
 
 import csv
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -93,4 +94,4 @@ def main(folder: Path, count: int = 2, n: int = 1200, models: tuple[str, ...] = 
 
 
 if __name__ == "__main__":
-    main(ROOT / "docs" / "images", COUNT, 6000, WITHOUT_VECTORS + WITH_VECTORS)
+    main(Path(*sys.argv[1:2]), COUNT, 6000, WITHOUT_VECTORS + WITH_VECTORS)

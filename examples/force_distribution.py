@@ -8,6 +8,7 @@ are compiled: what costs is the number of stations, not the integration of the f
 
 from __future__ import annotations
 
+import sys
 import time
 from pathlib import Path
 
@@ -91,8 +92,9 @@ def main(folder: Path) -> None:
     for place in members:
         at = COUNTS.index(10)
         linear, quadratic = (found[place, name][0][at] for name in ("linear", "quadratic"))
+        print(f"{place}: with 10 elements linear is off by {linear:.1e}, quadratic by {quadratic:.1e}")
         assert quadratic < 0.05 * linear < 1e-3
 
 
 if __name__ == "__main__":
-    main(Path(__file__).parents[1] / "docs" / "images")
+    main(Path(*sys.argv[1:2]))

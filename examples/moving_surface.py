@@ -7,6 +7,7 @@ at frequencies that the waves do not have. A last wet node that moves with the s
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -91,4 +92,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(__file__).parents[1] / "docs" / "images")
+    main(Path(*sys.argv[1:2]))

@@ -6,6 +6,7 @@ linear crest, the second order and Grue's profile up to the crest that includes 
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -77,6 +78,7 @@ def main(folder: Path) -> None:
     extrapolated, constant, wheeler, second, grue = (
         [at[name] for at in (below, still, top)] for name in profiles
     )
+    print("at the crest: " + "; ".join(f"{name} {u:.1f} m/s" for name, u in top.items()))
     assert abs(wheeler[2] / constant[1] - 1.0) < 1e-6  # Wheeler brings still water's value to the crest
     assert extrapolated[2] > 1.5 * second[2] > 1.5 * grue[2] > 1.5 * wheeler[2]  # at the crest
     assert abs(grue[2] / second[2] - 1.0) < 0.1  # the two nonlinear models agree there
@@ -85,4 +87,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(__file__).parents[1] / "docs" / "images")
+    main(Path(*sys.argv[1:2]))

@@ -9,6 +9,7 @@ the surface, and of 1 m that are on or off by their midpoints, as in USFOS.
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -87,4 +88,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(__file__).parents[1] / "docs" / "images")
+    main(Path(*sys.argv[1:2]))

@@ -43,7 +43,7 @@ def load_reported_case(path: Path) -> tuple[CaseConfig, SourceReport | None]:
 
     case, report = resolve(case)
     if report is not None:
-        print(f"note: {report.line}", file=sys.stderr)
+        print(f"{report.kind}: {report.line}", file=sys.stderr)
     return case, report
 
 

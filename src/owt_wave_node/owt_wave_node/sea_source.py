@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -26,15 +26,18 @@ __all__ = ["Record", "SourceReport", "from_wavespectra", "read_record", "resolve
 
 #: Difference of a time step from the usual one, over it, that is no rounding of the file's decimals.
 UNEVEN = 0.05
+#: Residual over the standard deviation of a record from which its report is a warning.
+NOTABLE_RESIDUAL = 0.1
 
 
 @dataclass(frozen=True)
 class SourceReport:
-    """How a sea came out of its file: one line for the user, and its numbers."""
+    """How a sea came out of its file: one line for the user, its numbers, and whether it is a warning."""
 
     source: str
     line: str
     numbers: dict[str, float | int]
+    kind: Literal["note", "warning"] = "note"
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,8 @@ def _record_report(case: CaseConfig, options: Measured, record: Record, found: M
     n = record.elevation_m.size
     if n != case.time.n or not math.isclose(record.dt_s, case.time.dt_s, rel_tol=1e-9):
         line += f"; record {n} x {record.dt_s:g} s, case {case.time.n} x {case.time.dt_s:g} s"
+    if record.start_s != 0.0:
+        line += f"; the sea's t = 0 is the record's t = {record.start_s:g} s"
     numbers: dict[str, float | int] = {
         "components": found.omega.size,
         "iterations": found.iterations,
@@ -132,13 +137,16 @@ def _record_report(case: CaseConfig, options: Measured, record: Record, found: M
         "record_n": n,
         "record_start_s": record.start_s,
     }
-    return SourceReport("measured", line, numbers)
+    notable = found.residual_rms > NOTABLE_RESIDUAL
+    if notable:
+        line += ". Widen the band from measured.cutin_rad_s to measured.cutoff_rad_s for less"
+    return SourceReport("measured", line, numbers, "warning" if notable else "note")
 
 
 def read_record(path: Path) -> Record:
     """Read a CSV file of two columns, time in s and elevation in m, evenly spaced and without gaps.
 
-    Lines that begin with # and a first line of column names are skipped.
+    Lines that begin with # and a first line of column names, in which no field is a number, are skipped.
 
     Raises
     ------
@@ -160,7 +168,7 @@ def read_record(path: Path) -> Record:
         try:
             t, eta = (float(part) for part in line.split(","))
         except ValueError:
-            if not rows and not titled:
+            if not rows and not titled and _is_title(line):
                 titled = True
                 continue
             t = eta = math.nan
@@ -173,6 +181,20 @@ def read_record(path: Path) -> Record:
             )
         rows.append((number, t, eta))
     return _even(path, rows)
+
+
+def _is_title(line: str) -> bool:
+    """Whether a line holds names: a field that is a number makes it a row, perhaps with a gap."""
+
+    def is_number(part: str) -> bool:
+        try:
+            float(part)
+        except ValueError:
+            return False
+        return True
+
+    parts = [part.strip() for part in line.split(",")]
+    return any(parts) and not any(is_number(part) for part in parts)
 
 
 def _even(path: Path, rows: list[tuple[int, float, float]]) -> Record:

@@ -155,6 +155,67 @@ def test_other_times_are_told(record: np.ndarray, tmp_path: Path) -> None:
     assert other.components == same.components
 
 
+def test_the_start_of_a_record_is_told(record: np.ndarray, tmp_path: Path) -> None:
+    """Where the record does not start at 0, and only there."""
+    for start, told in ((0.0, False), (100.0, True)):
+        report = resolve(parse_case(measured(write(tmp_path / "record.csv", record, start=start))))[1]
+        assert report is not None
+        assert ("the record's t = 100 s" in report.line) is told
+
+
+def with_noise(record: np.ndarray, share: float) -> np.ndarray:
+    """`record` with a wave above the cut-off that is `share` of the standard deviation of the sum."""
+    t = np.arange(record.size) * 0.25
+    size = record.std() * share / np.sqrt(1.0 - share**2)
+    return record + np.sqrt(2.0) * size * np.cos(2.0 * np.pi * 1.5 * t)
+
+
+def test_a_large_residual_is_a_warning(record: np.ndarray, tmp_path: Path) -> None:
+    for share, kind in ((0.09, "note"), (0.11, "warning"), (0.49, "warning")):
+        report = resolve(parse_case(measured(write(tmp_path / "record.csv", with_noise(record, share)))))[1]
+        assert report is not None
+        assert report.kind == kind
+    path = write(tmp_path / "record.csv", with_noise(record, 0.51))
+    with pytest.raises(InputError, match=r"measured\.cutoff_rad_s = 2\.1: leaves 0\.51 of"):
+        resolve(parse_case(measured(path)))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_band_without_waves_is_refused(order: int, tmp_path: Path) -> None:
+    """A record of the Nyquist frequency alone: nothing of it, or only round-off, lies below the cut-off."""
+    for n in (64, 63):
+        path = write(tmp_path / "record.csv", (-1.0) ** np.arange(n), dt=1.0)
+        case = measured(path, cutoff_rad_s=1.2) | {"wave": {"order": order}}
+        with pytest.raises(InputError, match=r"measured\.cutoff_rad_s = 1\.2: leaves "):
+            resolve(parse_case(case))
+
+
+@pytest.mark.parametrize("scale", [1e300, 1.7e308, 1e7, 1e-300])
+def test_elevations_beyond_all_waves_are_refused(record: np.ndarray, tmp_path: Path, scale: float) -> None:
+    """Not an overflow or underflow: these are no metres."""
+    path = write(tmp_path / "record.csv", record / np.abs(record).max() * scale)
+    with pytest.raises(InputError, match=r"measured\."):
+        resolve(parse_case(measured(path)))
+
+
+@pytest.mark.parametrize("first", ["0.0,", ",1.0", "0.0,n/a", "0.0", ",", "nan,nan", "0.0,1.0,2.0"])
+def test_a_first_row_with_a_gap_is_no_title(tmp_path: Path, first: str) -> None:
+    """Taken for one, the sea would start a sample later."""
+    path = tmp_path / "record.csv"
+    path.write_text("\n".join([first, *(f"{i}.0,{i % 3}.0" for i in range(1, 20))]))
+    with pytest.raises(InputError, match="row 1 "):
+        read_record(path)
+
+
+def test_the_title_may_follow_comments(tmp_path: Path) -> None:
+    path = tmp_path / "record.csv"
+    path.write_text("# buoy\n\ntime,\n" + "\n".join(f"{i}.0,{i % 3}.0" for i in range(20)))
+    assert read_record(path).elevation_m.size == 20
+    path.write_text("time,eta\ns,m\n" + "\n".join(f"{i}.0,{i % 3}.0" for i in range(20)))
+    with pytest.raises(InputError, match="row 2 "):
+        read_record(path)
+
+
 def spoil(lines: list[str], row: int, text: str | None) -> list[str]:
     """Replace a row (from 1), or take it out."""
     return lines[: row - 1] + ([] if text is None else [text]) + lines[row:]

@@ -37,6 +37,10 @@ SHALLOWEST = 0.05
 MEMORY = 10
 #: Change over the largest component from which nothing comes back.
 DIVERGED = 1e6
+#: Largest elevation in m that is one: far beyond it squares overflow.
+HIGHEST = 1e6
+#: Residual over the standard deviation of the record above which the components are not its waves.
+MOST_RESIDUAL = 0.5
 
 
 @dataclass(frozen=True)
@@ -112,12 +116,18 @@ def components_of_record(
     Raises
     ------
     InputError
-        If the band holds no component, reaches the record's Nyquist frequency, or the record is constant.
+        If the band holds no component, reaches the record's Nyquist frequency or holds less of the record
+        than it leaves out; or if the record is constant or no elevation in m.
     ComputationError
         If the iteration does not converge.
     """
+    highest = float(np.abs(record).max())
+    if not highest <= HIGHEST:
+        raise InputError(
+            "measured.path", highest, f"is no elevation in m: above {HIGHEST:g} m", "Check the record."
+        )
     std = float(record.std())
-    if not std > 1e-12 * float(np.abs(record).max()):
+    if not std > 1e-12 * highest:
         raise InputError(
             "measured.path", std, "is the standard deviation in m: no waves", "Check the record."
         )
@@ -148,17 +158,31 @@ def components_of_record(
     first, second = elevation(A)
     rest = record - first - second
     rest -= rest.mean()
+    residual = float(np.sqrt(np.mean(rest**2))) / std
+    if residual > MOST_RESIDUAL:
+        raise _outside(band, f"leaves {residual:.2g} of the record's standard deviation")
     A = A * np.exp(1j * k * x)
     return MeasuredSea(
         omega=omega,
         amplitude=np.abs(A),
         phase=-np.angle(A),
         iterations=iterations,
-        residual_rms=float(np.sqrt(np.mean(rest**2))) / std,
+        residual_rms=residual,
         residual_max=float(np.abs(rest).max()) / std,
         std_m=std,
         mean_m=float(record.mean()),
         set_down_m=float(second.mean()),
+    )
+
+
+def _outside(band: Band, what: str) -> InputError:
+    """The refusal of a band that the waves of the record do not lie in."""
+    return InputError(
+        "measured.cutoff_rad_s",
+        band.cutoff,
+        f"{what} to neither order, above {MOST_RESIDUAL:g}: the band from {band.cutin:.4g} rad/s on does not "
+        "hold its waves",
+        "Set measured.cutin_rad_s and measured.cutoff_rad_s about the waves of the record.",
     )
 
 
@@ -195,6 +219,8 @@ def _solve(
     target = _project(record, bins)
     energy = np.abs(target) ** 2
     A = target * (bins * energy.sum() > LONG * float(bins @ energy))
+    if not A.any():
+        raise _outside(band, "leaves all of the record")
     points: list[Spectrum] = []
     steps: list[Spectrum] = []
     change = math.inf

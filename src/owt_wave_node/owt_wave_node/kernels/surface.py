@@ -12,6 +12,9 @@ from owt_wave_node.kernels.sections import point_force, sectional
 
 __all__ = ["surface_loads", "warm_up"]
 
+#: Samples that are looked at together: in most of them a segment is wet, or dry, from end to end.
+BLOCK = 64
+
 
 @njit(cache=True, nogil=True)
 def _crossing(h_0, h_1, h_2, stride):
@@ -97,6 +100,18 @@ def _wet(weights, k, q, t, rows):
 
 
 @njit(cache=True, nogil=True)
+def _all_wet(weights, k, q, start, stop, rows):
+    """Add the load of a segment that is wet from end to end at all samples from `start` to `stop`."""
+    for j in range(weights.shape[0]):
+        for i in range(rows.shape[0]):
+            axis, shape = i // 4, i % 4 if i < 8 else i - 4
+            f = -weights[j, shape] if axis == 1 and i % 2 == 1 else weights[j, shape]  # My turns z towards x
+            row, unit = rows[i, start:stop], q[k + j, axis, start:stop]
+            for t in range(row.size):
+                row[t] += f * unit[t]
+
+
+@njit(cache=True, nogil=True)
 def surface_loads(q, motion, z, eta, rule, stride, axes, coefficient, current, place, length, weights, rows):
     """Add the equivalent nodal loads of a run, wet up to the surface, to rows [row, time].
 
@@ -116,22 +131,32 @@ def surface_loads(q, motion, z, eta, rule, stride, axes, coefficient, current, p
     weights : [segment, node, shape]
         See :func:`owt_wave_node.kernels.morison.segment_weights`.
     """
-    shape, force = np.empty(6), np.empty((3, 3))
+    shape, force, n = np.empty(6), np.empty((3, 3)), motion.shape[2]
     for s in range(weights.shape[0]):
         k = stride * s
         last = k + stride
-        for t in range(motion.shape[2]):
-            h_0, h_2 = eta[k, t] - z[k], eta[last, t] - z[last]
-            if rule == 2:
-                h_0 = h_2 = eta[k + 1, t] - z[k + 1] if stride == 2 else 0.5 * (h_0 + h_2)
-            if h_0 >= 0.0 and h_2 >= 0.0:
-                _wet(weights[s], k, q, t, rows)
-            elif h_0 >= 0.0 or h_2 >= 0.0:
-                part = _crossing(h_0, eta[k + 1, t] - z[k + 1], h_2, stride)
-                _partly_wet(
-                    motion, k, stride, rule == 1, k if h_0 >= 0.0 else last, part, t, axes, coefficient,
-                    current, q, place, length, shape, force, rows,
-                )  # fmt: skip
+        for start in range(0, n, BLOCK):
+            stop = min(start + BLOCK, n)
+            wet = 0
+            for t in range(start, stop):
+                wet += (eta[k, t] >= z[k]) + (eta[last, t] >= z[last])
+            if rule != 2 and wet == 2 * (stop - start):
+                _all_wet(weights[s], k, q, start, stop, rows)
+                continue
+            if rule != 2 and wet == 0:
+                continue
+            for t in range(start, stop):
+                h_0, h_2 = eta[k, t] - z[k], eta[last, t] - z[last]
+                if rule == 2:
+                    h_0 = h_2 = eta[k + 1, t] - z[k + 1] if stride == 2 else 0.5 * (h_0 + h_2)
+                if h_0 >= 0.0 and h_2 >= 0.0:
+                    _wet(weights[s], k, q, t, rows)
+                elif h_0 >= 0.0 or h_2 >= 0.0:
+                    part = _crossing(h_0, eta[k + 1, t] - z[k + 1], h_2, stride)
+                    _partly_wet(
+                        motion, k, stride, rule == 1, k if h_0 >= 0.0 else last, part, t, axes, coefficient,
+                        current, q, place, length, shape, force, rows,
+                    )  # fmt: skip
 
 
 def warm_up() -> None:

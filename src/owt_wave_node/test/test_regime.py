@@ -76,7 +76,75 @@ def test_the_default_case_is_told_of_its_cutoff_only() -> None:
     assert "2.66 rad/s is above sqrt(2 g/Hs) = 1.81 rad/s" in found.warnings[0]
     assert "sea_state.cutoff to steepness" in found.warnings[0]
     assert regime(sea_state={"cutoff": "steepness"}).warnings == ()
-    assert regime(wave={"order": 1}).warnings == ()
+
+
+def test_the_cutoff_matters_to_first_order_where_short_components_grow_in_the_crest() -> None:
+    """Taylor and no stretching carry them up; constant and Wheeler do not; without them nothing is said."""
+    for stretching, lines in (("taylor", 1), ("none", 1), ("constant", 0), ("wheeler", 0)):
+        found = regime(wave={"order": 1, "stretching": stretching}).warnings
+        assert sum("1.81 rad/s" in line and "first order" in line for line in found) == len(found) == lines
+        low = {"sea_state": {"cutoff": "steepness"}, "wave": {"order": 1, "stretching": stretching}}
+        assert regime(**low).warnings == ()
+
+
+def test_a_focused_crest_is_the_largest_wave() -> None:
+    """Twenty metres in a sea of two break, which is said; a low crest changes nothing."""
+    sea = {"hs_m": 2.0, "tp_s": 10.0, "cutoff": "steepness"}
+    for background in (True, False):
+        found = regime(
+            sea_state={**sea, "focus": {"crest_m": 20.0, "time_s": 300.0, "background": background}}
+        )
+        assert 25.0 < found.largest.height_m < 40.0
+        assert [line for line in found.warnings if "focused crest" in line and "breaking height" in line]
+        steep = regime(
+            sea_state={**sea, "focus": {"crest_m": 11.0, "time_s": 300.0, "background": background}}
+        )
+        assert [line for line in steep.warnings if "focused crest" in line and "underrates" in line]
+    small = regime(sea_state={**sea, "focus": {"crest_m": 0.5, "time_s": 300.0, "background": False}})
+    assert small.largest.height_m < 3.0
+    assert small.warnings == ()
+
+
+def test_the_focused_wave_is_that_of_the_field() -> None:
+    """Crest to trough beside it as the first order has them at the place of the focus."""
+    from owt_wave_node.core.field import Field
+    from owt_wave_node.core.route import make_field
+    from owt_wave_node.core.sea import Frame
+
+    focus = {"crest_m": 9.0, "time_s": 300.0, "place_m": [12.0, -30.0]}
+    case = parse_case({"sea_state": {"hs_m": 3.0, "tp_s": 10.0, "focus": focus}})
+    sea = build_sea_state(case)
+    field: Field = make_field(case, sea)
+    eta = field.elevation(Frame(sea.direction_deg).place(np.array([[12.0, -30.0, 0.0]])))[0][0]
+    assert eta[3000] == pytest.approx(9.0, rel=1e-9)
+    height = eta[3000] - eta[2900:3101].min()
+    # 128 instants over two periods lie up to 0.08 s off the trough: 0.2 % of it
+    assert sea_regime(case, sea).largest.height_m == pytest.approx(height, rel=2e-3)
+
+
+def test_long_components_are_named() -> None:
+    """A wave of 0.3 m and twenty minutes has second order of 10 m; a hundredth of it has a harmless one."""
+
+    def of(amplitude: float, order: int = 2) -> tuple[str, ...]:
+        listed = {"omega_rad_s": [0.005, 0.6], "amplitude_m": [amplitude, 1.0], "phase_rad": [0.0, 0.0]}
+        return regime(components=listed, wave={"order": order}).warnings
+
+    assert len(of(0.3)) == 1
+    assert "component at 0.005 rad/s" in of(0.3)[0]
+    assert "cut-in" in of(0.3)[0]
+    assert of(0.001) == of(0.3, order=1) == ()
+
+
+def test_long_components_count_together() -> None:
+    """A hundred that each stay below the limit fail as the one of their energy does."""
+    omega = np.linspace(0.01, 0.02, 100)
+    for amplitude, lines in ((0.02, 1), (2e-4, 0)):
+        listed = {
+            "omega_rad_s": [*omega.tolist(), 0.6],
+            "amplitude_m": [*[amplitude] * 100, 1.0],
+            "phase_rad": [0.0] * 101,
+        }
+        assert len(regime(components=listed).warnings) == lines
 
 
 @pytest.mark.parametrize(

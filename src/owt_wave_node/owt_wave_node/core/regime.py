@@ -33,6 +33,10 @@ MAX_DIAMETER_OVER_LENGTH = 0.2
 KC_ATTACHED, KC_DRAG = 2.0, 10.0 * math.pi
 #: Largest steepness 2 pi Hs / (g Tp^2) of sea states: Tp in s, steepness (DNV-RP-C205 section 3.5.4).
 SEA_STEEPNESS = ((8.0, 15.0), (1.0 / 15.0, 1.0 / 25.0))
+#: Second harmonic over the first order above which long components are beyond second order.
+MAX_HARMONIC = 0.25
+#: Instants of a period at which the trough beside a focused crest is looked for.
+INSTANTS = 64
 
 
 @dataclass(frozen=True)
@@ -74,8 +78,8 @@ class SeaRegime:
     Attributes
     ----------
     wave, largest : RegularRegime
-        The wave of Hs and Tp, and the largest wave expected in the record at Tp; of a regular sea twice the
-        wave itself.
+        The wave of Hs and Tp, and the largest wave expected in the record at Tp, or that of the focused crest
+        where it is higher; of a regular sea twice the wave itself.
     n_waves : float
         Waves expected in the record.
     sea_steepness : float
@@ -126,7 +130,7 @@ def sea_regime(case: CaseConfig, sea: SeaState, structure: Structure | None = No
     else:
         hs, tp = (sea.hs_m, sea.tp_s) if sea.hs_m > 0.0 else (spectrum.hm0_m, spectrum.peak_period_s)
         n_waves = max(sea.duration_s / spectrum.tm02_s, math.e)
-        highest = hs * math.sqrt(0.5 * math.log(n_waves))
+        highest = max(hs * math.sqrt(0.5 * math.log(n_waves)), _focused_height(case, sea))
     wave = regular_regime(height=hs, period=tp, **water)
     largest = regular_regime(height=highest, period=tp, **water)
     members = () if structure is None else _members(case, structure, wave)
@@ -140,12 +144,43 @@ def sea_regime(case: CaseConfig, sea: SeaState, structure: Structure | None = No
         members=members,
         warnings=(),
     )
-    return SeaRegime(**{**vars(found), "warnings": _warnings(case, found)})
+    return SeaRegime(**{**vars(found), "warnings": _warnings(case, sea, found)})
 
 
 def regime_warnings(case: CaseConfig, sea: SeaState, structure: Structure | None = None) -> tuple[str, ...]:
     """One line for each model that `case` uses outside its range; none for a flat sea."""
     return sea_regime(case, sea, structure).warnings if sea.amplitude_m.any() else ()
+
+
+def _focused_height(case: CaseConfig, sea: SeaState) -> float:
+    """Crest to the deeper trough beside it, in m, of the first order at the focus; 0 without one."""
+    if case.sea_state is None or case.sea_state.focus is None:
+        return 0.0
+    focus = case.sea_state.focus
+    angle = np.deg2rad(sea.component_direction_deg)
+    x, y = focus.place_m
+    phase = sea.wavenumber_rad_m * (x * np.cos(angle) + y * np.sin(angle)) + sea.phase_rad
+    beside = case.sea_state.tp_s * np.linspace(-1.0, 1.0, 2 * INSTANTS + 1)
+    trough = min(
+        float(sea.amplitude_m @ np.cos(sea.omega_rad_s * (focus.time_s + t) - phase)) for t in beside.tolist()
+    )
+    return focus.crest_m - min(trough, 0.0)
+
+
+def _too_long(sea: SeaState) -> tuple[float, float]:
+    """Frequency in rad/s of the highest component below which second order fails, and its second harmonic.
+
+    The second harmonic of a component over its own amplitude is a k (3 - T^2) / (4 T^3), T = tanh kd. Long
+    components, kd < 1, count with the amplitude of all that are no shorter. (0, 0) where none fails.
+    """
+    order = np.argsort(sea.omega_rad_s)
+    omega, k, amplitude = (v[order] for v in (sea.omega_rad_s, sea.wavenumber_rad_m, sea.amplitude_m))
+    long = k * sea.water_depth_m < 1.0
+    together = np.where(long, np.sqrt(np.cumsum(amplitude**2)), amplitude)
+    tanh = np.tanh(k * sea.water_depth_m)
+    harmonic = together * k * (3.0 - tanh**2) / (4.0 * tanh**3)
+    failing = np.flatnonzero(long & (amplitude > 0.0) & (harmonic > MAX_HARMONIC))
+    return (float(omega[failing[-1]]), float(harmonic[failing].max())) if failing.size else (0.0, 0.0)
 
 
 def _members(case: CaseConfig, structure: Structure, wave: RegularRegime) -> tuple[MemberRegime, ...]:
@@ -192,17 +227,24 @@ def _member(
     )
 
 
-def _warnings(case: CaseConfig, found: SeaRegime) -> tuple[str, ...]:
+def _warnings(case: CaseConfig, sea: SeaState, found: SeaRegime) -> tuple[str, ...]:
     """One line for each model that `case` uses outside its range."""
     lines = _load_warnings(case, found)
     if case.regular is not None:
         return (*lines, *_regular_warnings(case, found))
+    focused = _focused_height(case, sea) >= found.largest.height_m
+    largest = (
+        "the wave of the focused crest" if focused else f"the largest of about {found.n_waves:.0f} waves"
+    )
+    # At order 1 constant and Wheeler stretching hold the velocities of short components in the crest down.
+    if case.wave.order == 2 or case.wave.stretching in ("taylor", "none"):
+        lines += _cutoff_warnings(case, found)
     if case.wave.order == 2:
-        lines += _second_order_warnings(case, found)
+        lines += _second_order_warnings(sea, found, focused=focused)
     if found.largest.theory == "breaking":
         lines.append(
-            f"the largest of about {found.n_waves:.0f} waves, {found.largest.height_m:.2f} m, is above the "
-            f"breaking height {found.largest.breaking_height_m:.2f} m of its period: breaking is left out. "
+            f"{largest}, {found.largest.height_m:.2f} m, is above the breaking height "
+            f"{found.largest.breaking_height_m:.2f} m of its period: breaking is left out. "
             "Use a lower or longer sea, or deeper water."
         )
     return tuple(lines)
@@ -223,8 +265,23 @@ def _load_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
     ]
 
 
-def _second_order_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
-    """Seas too steep or too shallow for the second order, and cut-offs above where it holds."""
+def _cutoff_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
+    """Cut-offs above where the series holds."""
+    if found.cutoff_rad_s <= found.steepness_cutoff_rad_s * (1.0 + 1e-9):
+        return []
+    order = "second order" if case.wave.order == 2 else f"first order, stretching {case.wave.stretching},"
+    remedy = (
+        "Set sea_state.cutoff to steepness" if case.sea_state is not None else "Leave out what lies above"
+    )
+    return [
+        f"cut-off {found.cutoff_rad_s:.3g} rad/s is above sqrt(2 g/Hs) = "
+        f"{found.steepness_cutoff_rad_s:.3g} rad/s, up to which {order} holds: crest velocities "
+        f"depend on it. {remedy}, or compare both."
+    ]
+
+
+def _second_order_warnings(sea: SeaState, found: SeaRegime, *, focused: bool) -> list[str]:
+    """Seas too steep or too shallow for the second order, or with too long components."""
     lines = []
     wave = found.wave
     steepest = float(np.interp(wave.period_s, *SEA_STEEPNESS))
@@ -234,19 +291,24 @@ def _second_order_warnings(case: CaseConfig, found: SeaRegime) -> list[str]:
             "sea states of this period: second order underrates such waves. Use Tp of at least "
             f"{_longest_enough(wave):.3g} s with Hs {wave.height_m:.3g} m."
         )
-    if found.cutoff_rad_s > found.steepness_cutoff_rad_s * (1.0 + 1e-9):
-        remedy = (
-            "Set sea_state.cutoff to steepness" if case.sea_state is not None else "Leave out what lies above"
-        )
+    if focused and found.largest.theory in ("stokes 5", "stream function"):
         lines.append(
-            f"cut-off {found.cutoff_rad_s:.3g} rad/s is above sqrt(2 g/Hs) = "
-            f"{found.steepness_cutoff_rad_s:.3g} rad/s, up to which second order holds: crest velocities "
-            f"depend on it. {remedy}, or compare both."
+            f"the wave of the focused crest, {found.largest.height_m:.2f} m, asks for {found.largest.theory} "
+            "theory: second order underrates it. Lower sea_state.focus.crest_m, or use a regular wave."
         )
-    if wave.ursell > LONG_WAVE_URSELL:
+    ursell = max(wave.ursell, found.largest.ursell if focused else 0.0)
+    long, harmonic = _too_long(sea)
+    if ursell > LONG_WAVE_URSELL:
         lines.append(
-            f"Ursell number Hs L^2/d^3 = {wave.ursell:.3g} is above {LONG_WAVE_URSELL:g}: second order does "
+            f"Ursell number H L^2/d^3 = {ursell:.3g} is above {LONG_WAVE_URSELL:g}: second order does "
             "not hold in water this shallow. Use a regular wave of stream function theory."
+        )
+    elif long > 0.0:
+        lines.append(
+            f"the component at {long:.3g} rad/s and what is longer have second harmonics of up to "
+            f"{harmonic:.2g} of their amplitude, above {MAX_HARMONIC:g}: second order does not hold for such "
+            f"waves. Set a cut-in (cutin_rad_s, cutin_over_peak) above {long:.3g} rad/s, or leave "
+            "such components out."
         )
     return lines
 

@@ -92,8 +92,8 @@ class Table:
     ) -> None:
         """Add a figure; `beside` holds times in s of other ways to do the same, measured in this run.
 
-        `quoted` holds processor times in s that others give, on other machines; they are marked as such and
-        set against processor time.
+        `quoted` holds times in s that others give, not measured in this run; they are marked as such and set
+        against processor time.
         """
         row: Row = {"part": part, "what": what, "wall_s": time.wall, "cpu_s": time.cpu}
         text = f"{what:<62} {time.wall:9.4f} s  {time.cpu:9.4f} s CPU"
@@ -104,9 +104,9 @@ class Table:
             row["beside_s"] = dict(beside)
             text += "".join(f"; {name}: {s:.4g} s ({s / time.wall:.3g} x)" for name, s in beside.items())
         if quoted:
-            row["quoted_cpu_s"] = dict(quoted)
+            row["quoted_s"] = dict(quoted)
             text += "".join(
-                f"; quoted, not measured here: {name}: {s:.4g} s CPU ({s / time.cpu:.3g} x)"
+                f"; quoted, not measured here: {name}: {s:.4g} s ({s / time.cpu:.3g} x our CPU)"
                 for name, s in quoted.items()
             )
         self.rows.append(row)

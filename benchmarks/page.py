@@ -34,8 +34,8 @@ def table(result: dict[str, Any]) -> str:
             f"{name}: {_figure(s)} ({s / row['wall_s']:.3g} x)" for name, s in row.get("beside_s", {}).items()
         ]
         beside += [
-            f"quoted, not measured here: {name}: {_figure(s)} CPU ({s / row['cpu_s']:.3g} x)"
-            for name, s in row.get("quoted_cpu_s", {}).items()
+            f"quoted, not measured here: {name}: {_figure(s)} ({s / row['cpu_s']:.3g} x our CPU)"
+            for name, s in row.get("quoted_s", {}).items()
         ]
         if "memory_mib" in row:
             beside.append(f"peak memory {row['memory_mib']:.0f} MiB")

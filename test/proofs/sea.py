@@ -172,9 +172,9 @@ def band_height(scale: str) -> float:
         abs(4 * math.sqrt(np.sum(realised.amplitude**2) / 2) / HS - 1)
         for name in spectrum.SHAPES
         for cutoff in (1.5, 4.0)
-        for realised in [
-            realise(sea_of(spectrum=name, scale=scale, cutoff_over_peak=cutoff), duration=600.0, gravity=G)
-        ]
+        for tp in [11.83 if name == "ochi-hubble" else TP]  # the peak of its most probable systems
+        for state in [sea_of(spectrum=name, tp_s=tp, scale=scale, cutoff_over_peak=cutoff)]
+        for realised in [realise(state, duration=600.0, gravity=G)]
     )
 
 

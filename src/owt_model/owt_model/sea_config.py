@@ -20,6 +20,7 @@ __all__ = [
     "RegularWave",
     "SeaStateConfig",
     "SpectrumFile",
+    "most_probable_systems",
 ]
 
 Direction = Annotated[float, Field(ge=-360.0, le=360.0)]
@@ -34,6 +35,21 @@ System = tuple[
 
 #: Relative difference between Hs and the total of two given systems that is taken as rounding.
 TOTAL_HEIGHT = 0.01
+#: Relative difference of tp_s from the peak period of given, and of the most probable systems.
+GIVEN_PEAK, PROBABLE_PEAK = 0.01, 0.1
+
+
+def most_probable_systems(hs: float) -> tuple[System, System]:
+    """Ochi and Hubble's most probable swell and wind sea of a given total Hs in m (their table 2b).
+
+    Hs in m, Tp in s and shape of each. Their heights 0.84 Hs and 0.54 Hs add up to 0.9986 Hs.
+
+    References
+    ----------
+    M. K. Ochi, E. N. Hubble, Six-parameter wave spectra, Proc. 15th Coastal Engineering Conf., 1976.
+    """
+    swell = (0.84 * hs, 2.0 * math.pi / (0.70 * math.exp(-0.046 * hs)), 3.00)
+    return swell, (0.54 * hs, 2.0 * math.pi / (1.15 * math.exp(-0.039 * hs)), 1.54 * math.exp(-0.062 * hs))
 
 
 class Focus(Frozen):
@@ -51,7 +67,9 @@ class SeaStateConfig(Frozen):
     """A stationary irregular sea state (thesis 2.7 and 4.4)."""
 
     hs_m: float = Field(6.0, gt=0.0, le=30.0, description="significant wave height in m")
-    tp_s: float = Field(9.45, gt=0.0, le=60.0, description="peak period in s")
+    tp_s: float = Field(
+        9.45, gt=0.0, le=60.0, description="peak period in s, of two systems that of the more energetic one"
+    )
     gamma: float | None = Field(
         None, ge=1.0, le=10.0, description="JONSWAP peak enhancement; null for the rule of eq. 4.80"
     )
@@ -60,13 +78,16 @@ class SeaStateConfig(Frozen):
     )
     seed: int = Field(1, ge=0, le=2**63 - 1, description="seed of the random phases")
     cutoff_over_peak: float = Field(
-        4.0, gt=1.0, le=20.0, description="highest component over the peak frequency"
+        4.0, gt=1.0, le=20.0, description="highest component over the (highest) peak frequency"
     )
     cutoff: Literal["over_peak", "steepness"] = Field(
         "over_peak", description="highest component: cutoff_over_peak times the peak, or sqrt(2 g / Hs)"
     )
     cutin_over_peak: float = Field(
-        0.0, ge=0.0, lt=1.0, description="lowest component over the peak frequency; 0 for the lowest there is"
+        0.0,
+        ge=0.0,
+        lt=1.0,
+        description="lowest component over the (lowest) peak frequency; 0 for the lowest there is",
     )
     spectrum: Literal["jonswap", "pierson-moskowitz", "ochi-hubble", "torsethaugen"] = Field(
         "jonswap", description="shape of the spectrum"
@@ -94,16 +115,20 @@ class SeaStateConfig(Frozen):
                 f"is that of a jonswap spectrum, not of {self.spectrum}",
                 "Leave gamma out, or set sea_state.spectrum to jonswap.",
             )
-        if self.systems is None:
-            return self
-        if self.spectrum != "ochi-hubble":
+        if self.systems is not None and self.spectrum != "ochi-hubble":
             raise InputError(
                 "sea_state.systems",
                 self.spectrum,
                 "are those of an ochi-hubble spectrum only",
                 "Set sea_state.spectrum to ochi-hubble or leave systems out.",
             )
-        total = math.hypot(*(height for height, _, _ in self.systems))
+        if self.wave_systems is not None:
+            self._check_systems(self.wave_systems)
+        return self
+
+    def _check_systems(self, systems: tuple[System, System]) -> None:
+        """Refuse an Hs or a Tp that is not that of the systems: these alone make the sea."""
+        total = math.hypot(*(height for height, _, _ in systems))
         if abs(total - self.hs_m) > TOTAL_HEIGHT * total:
             raise InputError(
                 "sea_state.hs_m",
@@ -111,13 +136,38 @@ class SeaStateConfig(Frozen):
                 f"must be the total sqrt(Hs1^2 + Hs2^2) = {total:.4g} m of the systems",
                 f"Set it to {total:.4g}.",
             )
-        return self
+        allowed = PROBABLE_PEAK if self.systems is None else GIVEN_PEAK
+        highest = max(height for height, _, _ in systems)
+        peaks = [period for height, period, _ in systems if height == highest]
+        if all(abs(self.tp_s - period) > allowed * period for period in peaks):
+            whose = f"most probable systems of Hs {self.hs_m:g} m" if self.systems is None else "systems"
+            raise InputError(
+                "sea_state.tp_s",
+                self.tp_s,
+                f"must be within {100.0 * allowed:g} % of the peak period {peaks[0]:.4g} s of the more "
+                f"energetic of the {whose}",
+                f"Set it to {peaks[0]:.4g}{', or give systems' if self.systems is None else ''}.",
+            )
+
+    @property
+    def wave_systems(self) -> tuple[System, System] | None:
+        """Both systems of an ochi-hubble sea, given or most probable; None for other spectra."""
+        if self.spectrum != "ochi-hubble":
+            return None
+        return most_probable_systems(self.hs_m) if self.systems is None else self.systems
+
+    def peaks_hz(self) -> tuple[float, float]:
+        """Lowest and highest peak frequency in Hz; they differ for two systems given by themselves."""
+        if self.wave_systems is None:
+            return 1.0 / self.tp_s, 1.0 / self.tp_s
+        periods = [period for _, period, _ in self.wave_systems]
+        return 1.0 / max(periods), 1.0 / min(periods)
 
     def cutoff_hz(self, gravity: float) -> float:
         """Highest frequency in Hz a component may have, for `gravity` in m/s2."""
         if self.cutoff == "steepness":
             return math.sqrt(2.0 * gravity / self.hs_m) / (2.0 * math.pi)
-        return self.cutoff_over_peak / self.tp_s
+        return self.cutoff_over_peak * self.peaks_hz()[1]
 
     def component_numbers(self, *, duration: float, gravity: float) -> range:
         """Numbers m of the components m / duration within the band, for a record of `duration` s.
@@ -127,12 +177,13 @@ class SeaStateConfig(Frozen):
         InputError
             If the band is empty, or the record too short for a component within it.
         """
-        lowest, highest = self.cutin_over_peak / self.tp_s, self.cutoff_hz(gravity)
+        peak = self.peaks_hz()[0]
+        lowest, highest = self.cutin_over_peak * peak, self.cutoff_hz(gravity)
         if lowest >= highest:
             raise InputError(
                 "sea_state.cutin_over_peak",
                 self.cutin_over_peak,
-                f"lies above the cut-off at {highest * self.tp_s:.3g} of the peak frequency",
+                f"lies above the cut-off at {highest / peak:.3g} of the peak frequency",
                 "Lower the cut-in or raise the cut-off.",
             )
         # A component on the limit belongs to the band, whatever its last digit.

@@ -28,6 +28,10 @@ LUCK = [0.8036257235825672, 0.9579993865563904, 0.5302374376410691]
 ANGLE = [-0.6777160070831034, -1.4904477166513834, -0.18698914675223838]
 
 
+#: Peak period in s of the sea of Hs 6 m, where it is not the default's.
+PEAK = {"ochi-hubble": 11.83}
+
+
 def sea(**given: Any) -> SeaState:
     return build_sea_state(parse_case({"sea_state": given}))
 
@@ -41,7 +45,7 @@ def height(state: SeaState) -> float:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_shape_is_positive_and_finite_at_any_frequency(name: str) -> None:
-    state = parse_case({"sea_state": {"spectrum": name}}).sea_state
+    state = parse_case({"sea_state": {"spectrum": name, "tp_s": PEAK.get(name, 9.45)}}).sea_state
     assert state is not None
     f = np.geomspace(1e-7, 1e3, 300)
     s = density(state, f, gravity=9.81)
@@ -52,7 +56,7 @@ def test_a_shape_is_positive_and_finite_at_any_frequency(name: str) -> None:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_formula_is_the_spectrum_as_printed(name: str) -> None:
-    case = parse_case({"sea_state": {"spectrum": name, "scale": "formula"}})
+    case = parse_case({"sea_state": {"spectrum": name, "scale": "formula", "tp_s": PEAK.get(name, 9.45)}})
     f, s = spectral_density(case)
     assert case.sea_state is not None
     assert s == pytest.approx(density(case.sea_state, f, gravity=9.81), rel=1e-14)
@@ -79,7 +83,7 @@ def test_gamma_that_is_recorded() -> None:
     assert sea(gamma=2.0).gamma == 2.0
     assert sea(spectrum="pierson-moskowitz").gamma == 1.0
     assert sea(spectrum="torsethaugen").gamma == torsethaugen_systems(6.0, 9.45, gravity=9.81)[0].shape
-    without = sea(spectrum="ochi-hubble")
+    without = sea(spectrum="ochi-hubble", tp_s=11.83)
     assert without.gamma == 0.0
     assert sea_facts(without)["gamma"] is None
     assert sea_facts(sea())["gamma"] == pytest.approx(3.7186537, rel=1e-7)
@@ -141,10 +145,48 @@ def test_most_probable_systems_of_a_height() -> None:
     swell, wind = most_probable_systems(6.0)
     assert swell == pytest.approx((5.04, 11.829, 3.0), rel=1e-4)
     assert wind == pytest.approx((3.24, 6.904, 1.0616), rel=1e-4)
-    given = {"spectrum": "ochi-hubble", "scale": "formula"}
+    given = {"spectrum": "ochi-hubble", "scale": "formula", "tp_s": 11.83}
     total = math.hypot(swell.hs, wind.hs)
     six = sea(**given, hs_m=total, systems=[list(swell), list(wind)])
     assert six.amplitude_m == pytest.approx(sea(**given).amplitude_m, rel=1e-13)
+
+
+#: Hs, Tp and shape of a swell below a wind sea.
+SWELL, WIND = [3.0, 14.0, 3.0], [4.0, 7.0, 1.0]
+
+
+def test_two_systems_lie_in_the_band() -> None:
+    """Cut-in over the lower and cut-off over the higher peak frequency, in either order of the systems."""
+    for systems in ([SWELL, WIND], [WIND, SWELL]):
+        both = sea(spectrum="ochi-hubble", systems=systems, hs_m=5.0, tp_s=7.0, cutin_over_peak=0.5)
+        assert both.cutoff_rad_s == pytest.approx(4.0 * 2 * math.pi / 7.0, rel=1e-14)
+        assert both.omega_rad_s[0] == pytest.approx(2 * math.pi * 0.5 / 14.0, abs=2 * math.pi / 600.0)
+        assert both.omega_rad_s[0] >= 2 * math.pi * 0.5 / 14.0
+    swell_first = sea(
+        spectrum="ochi-hubble", systems=[[4.0, 14.0, 3.0], [3.0, 7.0, 1.0]], hs_m=5.0, tp_s=14.0
+    )
+    assert swell_first.cutoff_rad_s == both.cutoff_rad_s
+    probable = sea(spectrum="ochi-hubble", tp_s=11.83)
+    assert probable.cutoff_rad_s == pytest.approx(4.0 * 2 * math.pi / most_probable_systems(6.0)[1].tp)
+
+
+def test_peak_period_is_that_of_the_systems() -> None:
+    """Tp shapes an Ochi-Hubble sea by its systems only: another Tp is refused, not ignored."""
+    given = {"spectrum": "ochi-hubble", "systems": [SWELL, WIND], "hs_m": 5.0}
+    for tp in (6.94, 7.0, 7.06):
+        sea(**given, tp_s=tp)
+    for tp in (3.0, 6.92, 7.08, 14.0):
+        with pytest.raises(InputError, match=r"sea_state\.tp_s .*1 % of the peak period 7 s.*Set it to 7\."):
+            sea(**given, tp_s=tp)
+    for tp in (7.0, 14.0):  # of equal systems either
+        sea(spectrum="ochi-hubble", systems=[[3.0, 14.0, 3.0], [3.0, 7.0, 1.0]], hs_m=4.243, tp_s=tp)
+    for tp in (10.7, 11.83, 13.0):
+        sea(spectrum="ochi-hubble", tp_s=tp)
+    for tp in (9.45, 10.6, 13.1):
+        with pytest.raises(
+            InputError, match=r"sea_state\.tp_s .*11\.83 s .*Set it to 11\.83, or give systems"
+        ):
+            sea(spectrum="ochi-hubble", tp_s=tp)
 
 
 # Directions
@@ -274,9 +316,36 @@ def test_a_cutin_above_the_cutoff_is_refused() -> None:
 
 
 def test_a_band_without_energy_is_refused() -> None:
-    """Ochi and Hubble's family has its own peaks: a band about another one may hold nothing."""
+    """The components of a record shorter than the waves may all lie in the tail of a narrow peak."""
+    narrow = {"spectrum": "ochi-hubble", "systems": [[6, 10, 20], [1, 10, 20]], "hs_m": 6.08, "tp_s": 10.0}
+    short = parse_case({"sea_state": narrow | {"cutoff_over_peak": 20.0}, "time": {"dt_s": 0.1, "n": 10}})
     with pytest.raises(InputError, match=r"cutoff_over_peak .*of the energy"):
-        sea(spectrum="ochi-hubble", hs_m=1.0, tp_s=60.0, cutoff_over_peak=1.5)
+        build_sea_state(short)
+
+
+#: Seas of which the band holds less than 0.75, and what it holds.
+TAILLESS = [
+    ({"spectrum": "pierson-moskowitz", "cutoff_over_peak": 1.4}, "0.72"),
+    ({"spectrum": "torsethaugen", "hs_m": 1.0, "tp_s": 25.0}, "0.51"),
+]
+
+
+@pytest.mark.parametrize(("given", "share"), TAILLESS)
+def test_a_band_that_leaves_much_of_the_sea_out_is_refused(given: dict[str, Any], share: str) -> None:
+    """Scaled to Hs, what is left would be another sea; a longer record does not change it."""
+    for n in (600, 6000):
+        case = parse_case({"sea_state": given, "time": {"n": n}})
+        with pytest.raises(InputError, match=rf"sea_state\.cutoff_over_peak .*leaves {share} of the energy"):
+            build_sea_state(case)
+    sea(**given, scale="formula")
+    sea(**given, cutin_over_peak=0.1)  # a part is asked for
+
+
+def test_usual_bands_are_allowed() -> None:
+    """1.5 fp and the steepness cut-off, of the steepest seas too."""
+    for name in ("jonswap", "pierson-moskowitz"):
+        sea(spectrum=name, gamma=1.0 if name == "jonswap" else None, cutoff_over_peak=1.5)
+        sea(spectrum=name, hs_m=6.0, tp_s=5.2, cutoff="steepness")
 
 
 # Sources

@@ -44,7 +44,8 @@ def check_height(amplitude: np.ndarray) -> None:
 def test_height_is_exact_within_the_band() -> None:
     for name in spectrum.SHAPES:
         for cutoff in (1.5, 4.0):
-            check_height(realised(spectrum=name, cutoff_over_peak=cutoff).amplitude)
+            tp = 11.83 if name == "ochi-hubble" else 9.45
+            check_height(realised(spectrum=name, tp_s=tp, cutoff_over_peak=cutoff).amplitude)
 
 
 def test_height_would_notice_the_unscaled_spectrum() -> None:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
+from owt_model import sea_config
 from owt_model.config import CaseConfig, SeaStateConfig
 from owt_model.errors import InputError
 
@@ -35,6 +36,11 @@ Array = Float[np.ndarray, " frequency"]
 
 #: Share of the variance of Hs that a band must hold: below it, the sea would be all tail.
 LEAST_SHARE = 1e-6
+#: The same where the band is scaled to Hs and is cut above only: below it, Hs and Tp are of another sea.
+#: A Pierson-Moskowitz spectrum has 0.78 of its variance below 1.5 fp.
+LEAST_SHARE_BELOW_CUTOFF = 0.75
+#: Frequencies of the sum that finds it.
+SHARE_FREQUENCIES = 2000
 
 
 def gamma_rule(hs: float, tp: float) -> float:
@@ -94,18 +100,9 @@ class System(NamedTuple):
 
 
 def most_probable_systems(hs: float) -> tuple[System, System]:
-    """Ochi and Hubble's most probable swell and wind sea of a given total Hs in m (their table 2b).
-
-    Their heights 0.84 Hs and 0.54 Hs add up to 0.9986 Hs.
-
-    References
-    ----------
-    M. K. Ochi, E. N. Hubble, Six-parameter wave spectra, Proc. 15th Coastal Engineering Conf., 1976.
-    """
-    swell = System(0.84 * hs, 2.0 * math.pi / (0.70 * math.exp(-0.046 * hs)), 3.00)
-    return swell, System(
-        0.54 * hs, 2.0 * math.pi / (1.15 * math.exp(-0.039 * hs)), 1.54 * math.exp(-0.062 * hs)
-    )
+    """Ochi and Hubble's most probable swell and wind sea of a given total Hs in m [1976, table 2b]."""
+    first, second = sea_config.most_probable_systems(hs)
+    return System(*first), System(*second)
 
 
 def ochi_hubble(frequency: Array, *, systems: tuple[System, System]) -> Array:
@@ -201,9 +198,8 @@ def peak_enhancement(sea: SeaStateConfig, *, gravity: float) -> float:
 
 
 def _ochi_hubble_of(frequency: Array, sea: SeaStateConfig, gravity: float) -> Array:
-    if sea.systems is None:
-        return ochi_hubble(frequency, systems=most_probable_systems(sea.hs_m))
-    first, second = sea.systems
+    assert sea.wave_systems is not None
+    first, second = sea.wave_systems
     return ochi_hubble(frequency, systems=(System(*first), System(*second)))
 
 
@@ -235,21 +231,37 @@ def band_variance(
     Raises
     ------
     InputError
-        If the band holds no component, or next to nothing of the spectrum.
+        If the band holds no component, or next to nothing of the spectrum; with scale ``band`` and no cut-in
+        also if less than 0.75 of the spectrum's variance lies below the cut-off.
     """
     numbers = sea.component_numbers(duration=duration, gravity=gravity)
     f = np.arange(numbers.start, numbers.stop) / duration
     variance = density(sea, f, gravity=gravity) / duration
     total, wanted = float(np.sum(variance)), sea.hs_m**2 / 16.0
+    band = f"from {f[0]:.3g} to {f[-1]:.3g} Hz"
     if not total >= LEAST_SHARE * wanted:
-        raise InputError(
-            "sea_state.cutoff_over_peak",
-            sea.cutoff_over_peak,
-            f"leaves {total / wanted:.1g} of the energy of Hs between the cut-in and the cut-off, from "
-            f"{f[0]:.3g} to {f[-1]:.3g} Hz",
-            "Widen the band to where the spectrum lies.",
-        )
+        raise _narrow(sea, f"leaves {total / wanted:.1g} of the energy of Hs in the band {band}")
+    if sea.scale == "band" and sea.cutin_over_peak == 0.0:
+        share = _share_below(sea, sea.cutoff_hz(gravity), gravity=gravity)
+        if share < LEAST_SHARE_BELOW_CUTOFF:
+            least = f"less than {LEAST_SHARE_BELOW_CUTOFF:g}"
+            raise _narrow(sea, f"leaves {share:.2g} of the energy of Hs in the band {band}, {least}")
     return f, variance * (wanted / total) if sea.scale == "band" else variance
+
+
+def _share_below(sea: SeaStateConfig, highest: float, *, gravity: float) -> float:
+    """Variance of `sea` below a frequency in Hz over Hs^2/16, however few components lie there."""
+    step = highest / SHARE_FREQUENCIES
+    f = (np.arange(SHARE_FREQUENCIES) + 0.5) * step
+    return float(np.sum(density(sea, f, gravity=gravity))) * step * 16.0 / sea.hs_m**2
+
+
+def _narrow(sea: SeaStateConfig, what: str) -> InputError:
+    """The refusal of a band that leaves the spectrum out."""
+    remedy = "Widen the band to where the spectrum lies"
+    if sea.cutoff == "steepness":
+        return InputError("sea_state.cutoff", sea.cutoff, what, f"{remedy}, with cutoff over_peak.")
+    return InputError("sea_state.cutoff_over_peak", sea.cutoff_over_peak, what, f"{remedy}.")
 
 
 def spectral_density(case: CaseConfig) -> tuple[Array, Float[np.ndarray, " frequency"]]:

@@ -215,6 +215,9 @@ class Components(Frozen):
     direction_deg: Direction | tuple[Direction, ...] = Field(
         0.0, description="direction the waves travel to, one or one per component, in degrees"
     )
+    source: Literal["spectrum_file", "measured"] | None = Field(
+        None, description="what they were made from, for messages; null where they are listed by hand"
+    )
 
     @model_validator(mode="after")
     def _same_length(self) -> Components:

@@ -88,9 +88,8 @@ def _from_spectrum(case: CaseConfig, options: SpectrumFile) -> tuple[Components,
         "components": made.omega.size,
         "mean_direction_deg": table.mean_direction_deg,
     }
-    return listed(made.omega, made.amplitude, made.phase, made.direction_deg), SourceReport(
-        "spectrum_file", line, numbers
-    )
+    components = listed("spectrum_file", made.omega, made.amplitude, made.phase, made.direction_deg)
+    return components, SourceReport("spectrum_file", line, numbers)
 
 
 def _from_record(case: CaseConfig, options: Measured) -> tuple[Components, SourceReport]:
@@ -109,7 +108,7 @@ def _from_record(case: CaseConfig, options: Measured) -> tuple[Components, Sourc
         order=case.wave.order,
     )
     direction = np.full(found.omega.size, options.direction_deg)
-    components = listed(found.omega, found.amplitude, found.phase, direction)
+    components = listed("measured", found.omega, found.amplitude, found.phase, direction)
     return components, _record_report(case, options, record, found)
 
 

@@ -66,7 +66,7 @@ def from_wavespectra(
     )
     table = tabulate(spectrum, index=index, direction_deg=direction_deg)
     made = realise(table, options, duration_s)
-    return listed(made.omega, made.amplitude, made.phase, made.direction_deg)
+    return listed("spectrum_file", made.omega, made.amplitude, made.phase, made.direction_deg)
 
 
 def realise(table: TabulatedSpectrum, options: SpectrumFile, duration_s: float) -> TabulatedComponents:
@@ -82,7 +82,13 @@ def realise(table: TabulatedSpectrum, options: SpectrumFile, duration_s: float) 
     )
 
 
-def listed(omega: np.ndarray, amplitude: np.ndarray, phase: np.ndarray, direction: np.ndarray) -> Components:
+def listed(
+    source: Literal["spectrum_file", "measured"],
+    omega: np.ndarray,
+    amplitude: np.ndarray,
+    phase: np.ndarray,
+    direction: np.ndarray,
+) -> Components:
     """Components in rad/s, m, rad and degrees as a case lists them; one direction where all travel alike.
 
     Raises
@@ -97,6 +103,7 @@ def listed(omega: np.ndarray, amplitude: np.ndarray, phase: np.ndarray, directio
             amplitude_m=tuple(amplitude.tolist()),
             phase_rad=tuple(phase.tolist()),
             direction_deg=float(direction[0]) if alike else tuple(direction.tolist()),
+            source=source,
         )
     except ValidationError as error:
         raise input_error(error, Components, remedy="Narrow the band, or check the file.") from None

@@ -171,6 +171,17 @@ def test_surface_above_the_interface_is_refused(listed, column, recorded, oc4) -
     wild = {"hs_m": 29.0, "tp_s": 14.0, "seed": 3}
     with pytest.raises(InputError, match=r"sea_state\.hs_m = 29\.0: raises the surface .*interface joint"):
         jacket_loads(parse_case({"sea_state": wild}), oc4)
+    crest = {"hs_m": 3.0, "tp_s": 12.0, "focus": {"crest_m": 19.0, "time_s": 10.0, "background": False}}
+    with pytest.raises(InputError, match=r"sea_state\.focus\.crest_m = 19\.0: raises the surface"):
+        jacket_loads(parse_case({"sea_state": crest, "time": {"n": 200}}), oc4)
+    airy = {"theory": "airy", "height_m": 11.0, "period_s": 10.0}
+    regular = {"regular": airy, "time": {"n": 200}, "water_depth_m": 20.0}
+    with pytest.raises(InputError, match=r"regular\.height_m = 11\.0: raises the surface"):
+        jacket_loads(parse_case(regular | {"wave": {"order": 1}}), column(top=(0.0, 0.0, 5.0)))
+    read = column_case(listed, 6.0, 1.0)
+    made = read.components.model_copy(update={"source": "measured"})
+    with pytest.raises(InputError, match=r"components\.amplitude_m \(from measured\) = 6\.0: raises"):
+        jacket_loads(read.model_copy(update={"components": made}), column(top=(0.0, 0.0, 5.0)))
 
 
 def test_water_depth_must_be_that_of_the_structure(recorded, oc4) -> None:

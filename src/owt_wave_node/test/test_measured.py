@@ -71,6 +71,7 @@ def test_components_come_back(case: CaseConfig, record: np.ndarray, tmp_path: Pa
     resolved, report = resolve(parse_case(measured(write(tmp_path / "record.csv", record))))
     found, expected = resolved.components, known_bins(case)
     assert found is not None
+    assert found.source == "measured"
     A = at_bins(found.omega_rad_s, found.amplitude_m, found.phase_rad)
     assert np.abs(A - expected).max() < 1e-6 * np.abs(expected).max()
     assert report is not None

@@ -12,7 +12,7 @@ import xarray as xr
 
 from owt_model.config import CaseConfig, Components, parse_case
 from owt_model.errors import InputError
-from owt_wave_node.core.sea import build_sea_state
+from owt_wave_node.core.sea import build_sea_state, sea_field
 from owt_wave_node.sea_source import from_wavespectra, resolve, resolve_case
 from owt_wave_node.spectrum_source import tabulate
 
@@ -161,6 +161,7 @@ def test_a_file_is_what_it_is_in_memory(tmp_path: Path) -> None:
     case, report = resolve(case_of(path, index=1, seed=3))
     assert case.components == from_wavespectra(spectrum(), duration_s=600.0, index=1, seed=3)
     assert case.spectrum_file is None
+    assert sea_field(case) == "components.amplitude_m (from spectrum_file)"
     assert report is not None
     assert report.line.count("\n") == 0
     assert report.numbers["file_hs_m"] == pytest.approx(library_height(spectrum(), 1), rel=1e-12)

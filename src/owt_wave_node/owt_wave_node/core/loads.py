@@ -18,7 +18,7 @@ from owt_wave_node.core.field import Field
 from owt_wave_node.core.hydro_mesh import HydroMesh, case_hydro_mesh, interface_level
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import EXACT, make_field
-from owt_wave_node.core.sea import Frame, build_sea_state, sea_field
+from owt_wave_node.core.sea import Frame, build_sea_state, sea_field, sea_height
 from owt_wave_node.core.window import Windowed, window_of
 
 __all__ = [
@@ -261,7 +261,7 @@ def prepare_loads(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> 
     if high > limit:
         raise InputError(
             sea_field(case),
-            case.sea_state.hs_m if case.sea_state is not None else float(sea.amplitude_m.max()),
+            sea_height(case),
             f"raises the surface to z = {high:.2f} m at the jacket, above its lowest interface joint at "
             f"z = {limit:g} m",
             "Use lower waves: nothing above the interface can carry wave load.",

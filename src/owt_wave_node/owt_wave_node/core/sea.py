@@ -18,7 +18,7 @@ from owt_wave_node.core.realisation import realise
 from owt_wave_node.core.spectrum import peak_enhancement
 from owt_wave_node.core.spreading import mean_direction, turn_between
 
-__all__ = ["Frame", "Waves", "build_sea_state", "sea_field", "waves"]
+__all__ = ["Frame", "Waves", "build_sea_state", "sea_field", "sea_height", "waves"]
 
 #: Amplitude over the largest one below which a component cannot change a sum in double precision.
 NEGLIGIBLE = 1e-20
@@ -65,8 +65,30 @@ def _source(case: CaseConfig) -> str:
 
 
 def sea_field(case: CaseConfig) -> str:
-    """Name of the field of `case` that sets the height of the waves."""
-    return HEIGHT_FIELDS[_source(case)]
+    """Name of the field of `case` that sets the height of the waves; of those read, with their source."""
+    if case.sea_state is not None and case.sea_state.focus is not None:
+        return "sea_state.focus.crest_m"
+    field = HEIGHT_FIELDS[_source(case)]
+    if case.components is not None and case.components.source is not None:
+        field += f" (from {case.components.source})"
+    return field
+
+
+def sea_height(case: CaseConfig) -> float:
+    """Value in m of :func:`sea_field`, of components the largest.
+
+    Raises
+    ------
+    InputError
+        If the sea is still in a file.
+    """
+    if case.sea_state is not None:
+        return case.sea_state.hs_m if case.sea_state.focus is None else case.sea_state.focus.crest_m
+    if case.regular is not None:
+        return case.regular.height_m
+    if case.components is not None:
+        return max(case.components.amplitude_m)
+    raise _unread(case)
 
 
 def build_sea_state(case: CaseConfig) -> SeaState:
@@ -85,7 +107,12 @@ def build_sea_state(case: CaseConfig) -> SeaState:
         from owt_wave_node.core.regular import regular_sea_state  # here: that module needs this one
 
         return regular_sea_state(case)
-    raise InputError(
+    raise _unread(case)
+
+
+def _unread(case: CaseConfig) -> InputError:
+    """The refusal of a sea that is still in a file."""
+    return InputError(
         f"{_source(case)}.path",
         getattr(case, _source(case)).path,
         "is not read here: the components of this sea are not known yet",

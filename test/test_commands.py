@@ -64,7 +64,28 @@ def test_waves_writes_what_it_documents(case: Callable[..., Path], tmp_path: Pat
     assert shapes == {
         "t": (300,), "eta1": (300, 2), "eta2": (300, 2), "wet": (300, 2), "velocity": (300, 2, 3),
         "acceleration": (300, 2, 3), "velocity2": (300, 2, 3), "acceleration2": (300, 2, 3),
+        "error_estimate": (),
     }  # fmt: skip
+
+
+def test_waves_tell_of_compression(
+    case: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As `loads` does: a note and the estimated error; an exact sum has neither."""
+    out = tmp_path / "out.npz"
+    sea = {"hs_m": 3.0, "tp_s": 8.0, "cutoff": "steepness"}
+    for route in ("compressed", "exact"):
+        path = case(sea_state=sea, wave={"route": route}, points_m=[[0, 0, -5]])
+        assert main(["waves", str(path), "-o", str(out)]) == 0
+        err = capsys.readouterr().err
+        with np.load(out) as data:
+            error = float(data["error_estimate"])
+        if route == "compressed":
+            assert 0.0 < error < 1e-6
+            assert err == f"note: waves compressed, estimated error {error:.1g}\n"
+        else:
+            assert error == 0.0
+            assert err == ""
 
 
 def test_loads_balance(case: Callable[..., Path], tmp_path: Path) -> None:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from owt_model.errors import InputError
 from owt_wave_node.core.dispersion import wavenumber
 from owt_wave_node.core.kinematics import wave_kinematics
+from owt_wave_node.core.loads import jacket_loads
 from owt_wave_node.core.profile import first_order_profile
 
 G, D = 9.81, 20.0
@@ -25,6 +27,24 @@ def check_wheeler(k, x: float, z: float, a: float, *, printed: bool = True) -> N
     dw = -OMEGA * scale * np.sinh(kk * (level + D)) * np.cos(psi)
     assert np.abs(k.velocity[wet, 0, 0] - u[wet]).max() < 1e-9 * np.abs(u).max()
     assert np.abs(k.acceleration[wet, 0, 2] - dw[wet]).max() < 1e-9 * np.abs(dw).max()
+
+
+@pytest.mark.parametrize("stretching", ["wheeler", "taylor", "constant"])
+def test_a_surface_below_the_bed_is_refused(stretching: str, listed) -> None:
+    """A trough that dries the bed leaves 1 + eta / d <= 0; just above it all stays finite."""
+    more = {"water_depth_m": 5.0, "time": {"dt_s": 0.1, "n": 80}, "points_m": [[0.0, 0.0, -1.0]]}
+    wave = {"order": 1, "stretching": stretching}
+    with pytest.raises(InputError, match="below the sea bed") as refused:
+        wave_kinematics(listed(OMEGA, 5.2, 0.0, wave=wave, **more))
+    assert refused.value.field == "components.amplitude_m"
+    assert np.isfinite(wave_kinematics(listed(OMEGA, 4.8, 0.0, wave=wave, **more)).velocity).all()
+
+
+def test_loads_refuse_a_surface_below_the_bed(listed, column) -> None:
+    wave = {"order": 1, "stretching": "constant"}
+    case = listed(0.5, 20.5, 0.0, water_depth_m=20.0, time={"dt_s": 0.1, "n": 200}, wave=wave)
+    with pytest.raises(InputError, match=r"components\.amplitude_m.*below the sea bed"):
+        jacket_loads(case, column(top=(0.0, 0.0, 5.0)))
 
 
 @pytest.mark.parametrize("z", [-5.0, 0.6])

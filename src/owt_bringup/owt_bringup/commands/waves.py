@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 HELP = "wave elevation and kinematics at the points of a case file"
@@ -15,15 +16,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute and write t, eta1, eta2, velocity, acceleration, velocity2, acceleration2 and wet."""
+    """Compute and write elevation, kinematics and the estimated error."""
     from owt_bringup.output import write_npz
     from owt_bringup.sea_notes import load_resolved_case, print_warnings
 
     case = load_resolved_case(options.case)  # before the costly imports: bad input is refused at once
+    import numpy as np
+
     from owt_wave_node.core.kinematics import wave_kinematics
 
     result = wave_kinematics(case)
     names = ("t", "eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2", "wet")
-    write_npz(options.output, {name: getattr(result, name) for name in names})
+    arrays = {name: getattr(result, name) for name in names}
+    write_npz(options.output, arrays | {"error_estimate": np.array(result.error_estimate)})
+    if result.error_estimate > 0.0:
+        print(f"note: waves compressed, estimated error {result.error_estimate:.1g}", file=sys.stderr)
     print_warnings(case)
     return 0

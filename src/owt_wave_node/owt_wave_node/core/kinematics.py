@@ -8,15 +8,16 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from owt_model.config import CaseConfig
+from owt_model.contracts import SeaState
 from owt_model.errors import ComputationError, InputError
 from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
-from owt_wave_node.core.sea import Frame, build_sea_state
+from owt_wave_node.core.sea import Frame, build_sea_state, sea_field
 
-__all__ = ["Kinematics", "wave_kinematics"]
+__all__ = ["Kinematics", "check_bed", "wave_kinematics"]
 
 #: Points per block, so that work arrays stay small beside the result.
 BLOCK = 32
@@ -36,6 +37,8 @@ class Kinematics:
         The second-order part of them, zero at order 1; without the current.
     wet : bool array [time, point]
         True where the point lies at or below the instantaneous surface.
+    error_estimate : float
+        Error of the second order relative to its standard deviation; zero where all pairs were summed.
     """
 
     t: Float[np.ndarray, " time"]
@@ -46,6 +49,29 @@ class Kinematics:
     velocity2: Float[np.ndarray, "time point 3"]
     acceleration2: Float[np.ndarray, "time point 3"]
     wet: Bool[np.ndarray, "time point"]
+    error_estimate: float = 0.0
+
+
+def check_bed(case: CaseConfig, sea: SeaState, lowest: float) -> None:
+    """Refuse a surface that falls to the sea bed: no level below it is left, and nothing that moves.
+
+    Parameters
+    ----------
+    lowest : float
+        Lowest surface in m.
+
+    Raises
+    ------
+    InputError
+        If it lies at or below the sea bed.
+    """
+    if lowest <= -case.water_depth_m:
+        raise InputError(
+            sea_field(case),
+            case.sea_state.hs_m if case.sea_state is not None else float(sea.amplitude_m.max()),
+            f"lowers the surface to z = {lowest:.2f} m, below the sea bed at z = {-case.water_depth_m:g} m",
+            "Use lower waves or deeper water.",
+        )
 
 
 def wave_kinematics(case: CaseConfig) -> Kinematics:
@@ -54,7 +80,7 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
     Raises
     ------
     InputError
-        If the case has no points, or its sea is not one that can be computed.
+        If the case has no points, or its sea is not one that can be computed, or falls below the bed.
     ComputationError
         If a result is not finite.
     """
@@ -70,7 +96,10 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
     eta = np.empty((2, n, size))
     motion = np.empty((4, n, size, 3))
     for rows in slices(size, BLOCK):
-        _fill(field, place[rows], frame, eta[:, :, rows], motion[:, :, rows])
+        for out, series in zip(eta[:, :, rows], field.elevation(place[rows]), strict=True):
+            out[...] = series.T
+        check_bed(case, sea, float(eta[:, :, rows].sum(axis=0).min()))  # Wheeler divides by 1 + eta / d
+        _fill(field, place[rows], frame, motion[:, :, rows])
     motion[0, :, :, :2] += current_velocity(case, z)
     if not (np.isfinite(eta).all() and np.isfinite(motion).all()):
         raise ComputationError("wave kinematics are not finite")
@@ -83,6 +112,7 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
         velocity2=motion[2],
         acceleration2=motion[3],
         wet=z[None, :] <= eta[0] + eta[1],
+        error_estimate=float(getattr(field, "error_estimate", 0.0)),
     )
 
 
@@ -90,12 +120,9 @@ def _fill(
     field: Field,
     place: Float[np.ndarray, "point 3"],
     frame: Frame,
-    eta: Float[np.ndarray, "2 time point"],
     motion: Float[np.ndarray, "4 time point 3"],
 ) -> None:
-    """Fill the views of one block of points."""
-    for out, series in zip(eta, field.elevation(place), strict=True):
-        out[...] = series.T
+    """Fill the view of one block of points with its motion."""
     second = field.second(place)
     total = field.first(place) + second
     axes = frame.axes[[0, 2] if field.n_axes == 2 else slice(None)]

@@ -16,6 +16,7 @@ from owt_model.mesh import Mesh
 from owt_wave_node.core.assembly import LoadHistory, assemble
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.hydro_mesh import HydroMesh, case_hydro_mesh, interface_level
+from owt_wave_node.core.kinematics import check_bed
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import EXACT, make_field
 from owt_wave_node.core.sea import Frame, build_sea_state, sea_field, sea_height
@@ -246,7 +247,7 @@ def prepare_loads(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> 
     Raises
     ------
     InputError
-        If the water depth is not that of the structure, or the surface reaches the interface.
+        If the water depth is not that of the structure, or the surface reaches the interface or the sea bed.
     ComputationError
         If the second order is not accurate.
     """
@@ -257,6 +258,7 @@ def prepare_loads(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> 
     low, high = surface_range(
         field, frame.place(mesh.node_position[jacket]), 2.0 * np.pi / (sea.order * highest_wavenumber)
     )
+    check_bed(case, sea, low)
     limit = interface_level(mesh)
     if high > limit:
         raise InputError(

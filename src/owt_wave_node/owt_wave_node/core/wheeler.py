@@ -74,6 +74,11 @@ class WheelerField:
         self.n_axes, self.n = linear.n_axes, linear.n
         self.wavenumber = linear.wavenumber
 
+    @property
+    def error_estimate(self) -> float:
+        """Error of the linear field; zero where it is exact."""
+        return float(getattr(self._linear, "error_estimate", 0.0))
+
     def elevation(self, place: Place) -> tuple[Series, Series]:
         """First-order elevation in m and zeros."""
         return self._linear.elevation(place)

@@ -10,7 +10,7 @@ import pytest
 from owt_model.config import CaseConfig, parse_case
 from owt_model.errors import ComputationError
 from owt_wave_node.core import compression
-from owt_wave_node.core.compressed import CompressedField
+from owt_wave_node.core.compressed import AutoField, CompressedField
 from owt_wave_node.core.compression import CompressedSea
 from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.field import Field, GridField
@@ -32,10 +32,10 @@ def sea_of(**given: object) -> Waves:
     return waves(build_sea_state(case_of(**given)))
 
 
-def parts(field: Field) -> list[np.ndarray]:
-    first, second = field.elevation(PLACE)
-    total = field.prepare(PLACE).kinematics(np.arange(len(PLACE)))
-    assert np.allclose(total, field.first(PLACE) + field.second(PLACE), rtol=0.0, atol=1e-9)
+def parts(field: Field, place: np.ndarray = PLACE) -> list[np.ndarray]:
+    first, second = field.elevation(place)
+    total = field.prepare(place).kinematics(np.arange(len(place)))
+    assert np.allclose(total, field.first(place) + field.second(place), rtol=0.0, atol=1e-9)
     return [first, second, total]
 
 
@@ -119,6 +119,29 @@ def test_a_compression_that_is_not_accurate_is_refused(monkeypatch: pytest.Monke
         field.elevation(PLACE)
     monkeypatch.setattr(compression, "MAX_ERROR", 10.0)
     field.elevation(PLACE)
+
+
+def test_auto_sums_a_stretch_that_is_refused_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Auto looks at the first stretch of x only; elsewhere, and in windows, the exact field steps in."""
+    sea = replace(sea_of(), n=1200)
+    made = compression._compress
+
+    def refuse(of: CompressedSea, middle: float) -> compression.Pairs:
+        if middle != 0.0:
+            raise ComputationError("not accurate here")
+        return made(of, middle)
+
+    monkeypatch.setattr(compression, "_compress", refuse)
+    field, exact = component_field(sea, "windows"), component_field(sea, "exact")
+    assert isinstance(field, AutoField)
+    near = PLACE * [0.0, 1.0, 1.0]
+    far = near + np.array([1e4, 0.0, 0.0])
+    for place, allowed in ((near, 1e-8), (far, 1e-12)):
+        assert error(parts(field, place), parts(exact, place)) < allowed
+        cut = parts(field.window(100, 200), place)
+        assert error(cut, parts(exact, place), slice(100, 300)) < 1e-8
+    with pytest.raises(ComputationError, match="not accurate"):
+        component_field(sea, "compressed").elevation(far)
 
 
 def test_choice_of_route() -> None:

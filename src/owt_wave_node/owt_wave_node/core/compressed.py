@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from owt_model.errors import ComputationError
 from owt_wave_node.core.compression import CompressedSea, Table, product
 from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
 from owt_wave_node.core.parallel import map_threads
 from owt_wave_node.core.profile import first_order_profile, second_order_level
-from owt_wave_node.core.window import FINE, Window
+from owt_wave_node.core.window import FINE, Window, window_of
 from owt_wave_node.kernels import compressed as _kernel
 
-__all__ = ["CompressedField"]
+__all__ = ["AutoField", "CompressedField"]
 
 #: Points whose elevation is transformed together by a thread.
 CHUNK = 16
@@ -171,6 +173,63 @@ class CompressedField:
     def prepare(self, place: Place) -> Prepared:
         """Coefficients of the total velocities at points."""
         return _CompressedPrepared(self._window, self._total(place))
+
+
+class AutoField(CompressedField):
+    """Compressed components, and another field for the points of a stretch that is refused.
+
+    Whether a stretch of x is accurate is known only when its pairs are summed.
+
+    Parameters
+    ----------
+    exact : callable
+        Makes the other field, over the same samples; called when it is needed first.
+    """
+
+    def __init__(self, sea: CompressedSea, exact: Callable[[], Field], window: Window | None = None) -> None:
+        super().__init__(sea, window)
+        self._exact = cache(exact)
+
+    def window(self, start: int, count: int) -> Field:
+        """Return the field over `count` samples from `start`."""
+        begin = self._window.start + start
+        exact = self._exact
+        return AutoField(self._sea, lambda: window_of(exact(), start, count), self._sea.window(begin, count))
+
+    def elevation(self, place: Place) -> tuple[Series, Series]:
+        """First- and second-order elevation in m."""
+        try:
+            return super().elevation(place)
+        except ComputationError:
+            return self._exact().elevation(place)
+
+    def first(self, place: Place) -> Kinematics:
+        """First-order kinematics."""
+        try:
+            return super().first(place)
+        except ComputationError:
+            return self._exact().first(place)
+
+    def shaped(self, place: Place, horizontal: Profile, vertical: Profile) -> Kinematics:
+        """First-order kinematics with given vertical factors."""
+        try:
+            return super().shaped(place, horizontal, vertical)
+        except ComputationError:
+            return self._exact().shaped(place, horizontal, vertical)
+
+    def second(self, place: Place) -> Kinematics:
+        """Second-order kinematics."""
+        try:
+            return super().second(place)
+        except ComputationError:
+            return self._exact().second(place)
+
+    def prepare(self, place: Place) -> Prepared:
+        """Coefficients of the total velocities at points."""
+        try:
+            return super().prepare(place)
+        except ComputationError:
+            return self._exact().prepare(place)
 
 
 def _parts(table: Table) -> Parts:

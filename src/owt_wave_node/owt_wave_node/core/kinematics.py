@@ -8,14 +8,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from owt_model.config import CaseConfig
-from owt_model.contracts import SeaState
 from owt_model.errors import ComputationError, InputError
 from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
-from owt_wave_node.core.sea import Frame, build_sea_state, sea_field
+from owt_wave_node.core.sea import Frame, build_sea_state, sea_field, sea_height
 
 __all__ = ["Kinematics", "check_bed", "wave_kinematics"]
 
@@ -52,7 +51,7 @@ class Kinematics:
     error_estimate: float = 0.0
 
 
-def check_bed(case: CaseConfig, sea: SeaState, lowest: float) -> None:
+def check_bed(case: CaseConfig, lowest: float) -> None:
     """Refuse a surface that falls to the sea bed: no level below it is left, and nothing that moves.
 
     Parameters
@@ -68,7 +67,7 @@ def check_bed(case: CaseConfig, sea: SeaState, lowest: float) -> None:
     if lowest <= -case.water_depth_m:
         raise InputError(
             sea_field(case),
-            case.sea_state.hs_m if case.sea_state is not None else float(sea.amplitude_m.max()),
+            sea_height(case),
             f"lowers the surface to z = {lowest:.2f} m, below the sea bed at z = {-case.water_depth_m:g} m",
             "Use lower waves or deeper water.",
         )
@@ -98,7 +97,7 @@ def wave_kinematics(case: CaseConfig) -> Kinematics:
     for rows in slices(size, BLOCK):
         for out, series in zip(eta[:, :, rows], field.elevation(place[rows]), strict=True):
             out[...] = series.T
-        check_bed(case, sea, float(eta[:, :, rows].sum(axis=0).min()))  # Wheeler divides by 1 + eta / d
+        check_bed(case, float(eta[:, :, rows].sum(axis=0).min()))  # Wheeler divides by 1 + eta / d
         _fill(field, place[rows], frame, motion[:, :, rows])
     motion[0, :, :, :2] += current_velocity(case, z)
     if not (np.isfinite(eta).all() and np.isfinite(motion).all()):

@@ -258,7 +258,7 @@ def prepare_loads(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> 
     low, high = surface_range(
         field, frame.place(mesh.node_position[jacket]), 2.0 * np.pi / (sea.order * highest_wavenumber)
     )
-    check_bed(case, sea, low)
+    check_bed(case, low)
     limit = interface_level(mesh)
     if high > limit:
         raise InputError(

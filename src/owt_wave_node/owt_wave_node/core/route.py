@@ -7,12 +7,12 @@ from dataclasses import replace
 from owt_model.config import CaseConfig
 from owt_model.contracts import SeaState
 from owt_model.errors import ComputationError
-from owt_wave_node.core.compressed import CompressedField
+from owt_wave_node.core.compressed import AutoField, CompressedField
 from owt_wave_node.core.compression import CompressedSea
 from owt_wave_node.core.direct import DirectField
 from owt_wave_node.core.directional import DirectionalField
 from owt_wave_node.core.field import Field, GridField
-from owt_wave_node.core.grid import frequency_grid
+from owt_wave_node.core.grid import FrequencyGrid, frequency_grid
 from owt_wave_node.core.regular import RegularField
 from owt_wave_node.core.sea import Waves, waves
 from owt_wave_node.core.wheeler import WheelerField
@@ -61,8 +61,15 @@ def component_field(components: Waves, route: str = "auto") -> Field:
         try:
             compressed = CompressedSea(components, grid)
             compressed.pairs(0)  # here, where another route is left, not at the first point
-            return CompressedField(compressed)
+            if route == "compressed":
+                return CompressedField(compressed)
+            return AutoField(compressed, lambda: _exact(components, grid))
         except ComputationError:
             if route == "compressed":
                 raise
+    return _exact(components, grid)
+
+
+def _exact(components: Waves, grid: FrequencyGrid | None) -> Field:
+    """Every pair, with Fourier transforms where there is a grid."""
     return DirectField(components) if grid is None else GridField(components, grid)

@@ -1,4 +1,4 @@
-"""What the commands say about the sea of a case on standard error: where it came from, and warnings."""
+"""What the commands say of a case on standard error: origin of the sea, options without effect, warnings."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owt_model.config import CaseConfig, load_case
+from owt_model.config import CaseConfig, SeaStateConfig, Wave, load_case
 
 if TYPE_CHECKING:
+    from owt_model.mesh import Mesh
     from owt_model.structure import Structure
     from owt_wave_node.sea_source import SourceReport
 
-__all__ = ["load_reported_case", "load_resolved_case", "print_warnings"]
+__all__ = ["ignored_options", "load_reported_case", "load_resolved_case", "print_ignored", "print_warnings"]
 
 
 def load_resolved_case(path: Path) -> CaseConfig:
@@ -45,6 +46,53 @@ def load_reported_case(path: Path) -> tuple[CaseConfig, SourceReport | None]:
     if report is not None:
         print(f"{report.kind}: {report.line}", file=sys.stderr)
     return case, report
+
+
+def ignored_options(case: CaseConfig, command: str, mesh: Mesh | None = None) -> tuple[str, ...]:
+    """One line for each option of `case` that is set and changes nothing in what `command` writes.
+
+    Parameters
+    ----------
+    command : str
+        "waves", "loads" or "simulate".
+    mesh : Mesh, optional
+        Of the structure, whose free ends are looked for.
+    """
+    lines, morison, sea = [], case.morison, case.sea_state
+    if case.regular is not None and case.regular.theory != "airy":
+        options = ("order", "stretching", "route")
+        unused = [f"wave.{name}" for name in options if getattr(case.wave, name) != _default(name)]
+        if unused:
+            lines.append(
+                f"{', '.join(unused)} without effect: a {case.regular.theory} wave needs no such option"
+            )
+    if (
+        sea is not None
+        and sea.cutoff == "steepness"
+        and sea.cutoff_over_peak != SeaStateConfig.model_fields["cutoff_over_peak"].default
+    ):
+        lines.append("sea_state.cutoff_over_peak without effect: sea_state.cutoff is steepness")
+    if command == "loads" and morison.hydrodynamic_damping:
+        lines.append("morison.hydrodynamic_damping without effect on loads: it damps the motion of simulate")
+    if command == "simulate" and morison.buoyancy:
+        lines.append("morison.buoyancy without effect on simulate: it is a static load that loads writes")
+    if mesh is not None and (morison.end_cd > 0.0 or morison.end_ca > 0.0):
+        from owt_wave_node.core.ends import free_ends
+
+        if not free_ends(mesh):
+            lines.append(f"morison.end_cd and end_ca without effect: {mesh.structure.name} has no free end")
+    return tuple(lines)
+
+
+def _default(name: str) -> object:
+    """Default of an option of `wave`."""
+    return Wave.model_fields[name].default
+
+
+def print_ignored(case: CaseConfig, command: str, mesh: Mesh | None = None) -> None:
+    """Print one line for each option of `case` without effect; see :func:`ignored_options`."""
+    for line in ignored_options(case, command, mesh):
+        print(f"note: {line}", file=sys.stderr)
 
 
 def print_warnings(case: CaseConfig, structure: Structure | None = None) -> None:

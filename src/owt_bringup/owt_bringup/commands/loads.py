@@ -28,7 +28,7 @@ ROWS = 256
 def run(options: argparse.Namespace) -> int:
     """Compute and write t, force, moment, nodal and where the nodes are, window by window."""
     from owt_bringup.output import npz_file
-    from owt_bringup.sea_notes import load_resolved_case, print_warnings
+    from owt_bringup.sea_notes import load_resolved_case, print_ignored, print_warnings
     from owt_model.mesh import build_mesh
     from owt_model.structure import load_structure
 
@@ -44,6 +44,7 @@ def run(options: argparse.Namespace) -> int:
         _write(file, windows)
     if windows.error_estimate > 0.0:
         print(f"note: waves compressed, estimated error {windows.error_estimate:.1g}", file=sys.stderr)
+    print_ignored(case, "loads", mesh)
     print_warnings(case, mesh.structure)
     return 0
 

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Compute and write elevation, kinematics and the estimated error."""
     from owt_bringup.output import write_npz
-    from owt_bringup.sea_notes import load_resolved_case, print_warnings
+    from owt_bringup.sea_notes import load_resolved_case, print_ignored, print_warnings
 
     case = load_resolved_case(options.case)  # before the costly imports: bad input is refused at once
     import numpy as np
@@ -31,5 +31,6 @@ def run(options: argparse.Namespace) -> int:
     write_npz(options.output, arrays | {"error_estimate": np.array(result.error_estimate)})
     if result.error_estimate > 0.0:
         print(f"note: waves compressed, estimated error {result.error_estimate:.1g}", file=sys.stderr)
+    print_ignored(case, "waves")
     print_warnings(case)
     return 0

@@ -117,21 +117,26 @@ class GridField:
         """First- and second-order elevation in m [eq. 4.30, 4.43]."""
         x = place[:, 0].copy()
 
-        def part(x: Float[np.ndarray, " point"]) -> Float[np.ndarray, "point 2 time"]:
-            phasor = self._phasors(x)
-            spectra = np.zeros((x.size, 2, self._n_bins), dtype=complex)
-            if self._tables is not None:
-                tables = self._tables.surface_sum, self._tables.surface_difference
-                self._add_second(phasor, np.zeros(x.size), tables, spectra, image=False)
-                spectra[:, 1] = spectra[:, 0]
-                spectra[:, 1, 0] += self._set_down
-                spectra[:, 0] = 0.0
-            spectra[:, 0, self._used] = phasor
-            return self.grid.series(spectra, np.arange(x.size), channels=2)
+        first, second = np.empty((x.size, self.n)), np.zeros((x.size, self.n))
 
-        parts = np.concatenate(map_threads(part, np.array_split(x, range(CHUNK, x.size, CHUNK))))
-        # The two share a transform, which leaves a trace of one in the other at round-off.
-        return parts[:, 0], parts[:, 1] if self.waves.order == 2 else np.zeros_like(parts[:, 1])
+        def part(rows: slice) -> None:
+            phasor = self._phasors(x[rows])
+            spectra = np.zeros((len(phasor), 2, self._n_bins), dtype=complex)
+            if self._tables is None:
+                spectra[:, 0, self._used] = phasor
+                first[rows] = self.grid.signal(spectra[:, 0])
+                return
+            tables = self._tables.surface_sum, self._tables.surface_difference
+            self._add_second(phasor, np.zeros(len(phasor)), tables, spectra, image=False)
+            spectra[:, 1] = spectra[:, 0]
+            spectra[:, 1, 0] += self._set_down
+            spectra[:, 0] = 0.0
+            spectra[:, 0, self._used] = phasor
+            series = self.grid.series(spectra, np.arange(len(phasor)), channels=2)
+            first[rows], second[rows] = series[:, 0], series[:, 1]
+
+        map_threads(part, _chunks(x.size))
+        return first, second
 
     def _phasors(self, x: Float[np.ndarray, " point"]) -> Phasor:
         """Amplitudes A exp(-i k x) at points."""
@@ -216,6 +221,11 @@ class _GridPrepared:
 
     def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some channel time"]:
         return self._field._in_time(self._spectra, index)
+
+
+def _chunks(size: int) -> list[slice]:
+    """Points of the tasks of the threads."""
+    return [slice(i, min(i + CHUNK, size)) for i in range(0, size, CHUNK)]
 
 
 def _pack(

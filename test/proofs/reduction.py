@@ -123,7 +123,7 @@ def interface_error(name: str) -> float:
     load = interface_loads(jacket(), guyan(jacket()))
     size = len(reduced.fixed_interface) + len(reduced.pseudo)
     inside, square = (
-        reduced.shapes[:n, 6 : 6 + size],
+        reduced.shapes[: jacket().internal, 6 : 6 + size],
         np.concatenate([reduced.fixed_interface, reduced.pseudo]),
     )
     exact = guyan(jacket()).factor.solve(load)

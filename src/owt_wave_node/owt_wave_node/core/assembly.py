@@ -30,7 +30,7 @@ from owt_wave_node.kernels.surface import surface_loads
 __all__ = ["LoadHistory", "Sections", "assemble"]
 
 #: Bytes of kinematics per thread, and of coefficients, held at a time.
-MOTION_BYTES, PREPARED_BYTES = 4 * 2**20, 32 * 2**20
+MOTION_BYTES, PREPARED_BYTES = 2 * 2**20, 64 * 2**20
 #: Coordinates in m that agree to this count as one point.
 SAME_POINT = 1e-9
 

@@ -125,6 +125,7 @@ def test_a_regular_wave_has_no_spectrum() -> None:
     assert report.spectrum is None
     assert report.first is None
     assert not report.crests
-    assert report.total.height_m.max() == pytest.approx(6.0, abs=1e-2)  # samples miss the crest by up to half a step
+    # samples miss the crest by up to half a step
+    assert report.total.height_m.max() == pytest.approx(6.0, abs=1e-2)
     assert report.total.period_s.mean() == pytest.approx(10.0, rel=1e-6)
     assert json.dumps(report.as_dict(), allow_nan=False)

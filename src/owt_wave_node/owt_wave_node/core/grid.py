@@ -16,6 +16,8 @@ __all__ = ["FrequencyGrid", "frequency_grid"]
 PHASE_TOLERANCE = 1e-9
 #: Longest transform that the grid is extended to (a record is never refused for its own length).
 MAX_LENGTH = 2**20
+#: Components that every number of periods is tried with.
+SIEVE = 16
 
 
 @dataclass(frozen=True)
@@ -112,11 +114,14 @@ def frequency_grid(
     """
     turns = omega * (n * dt) / (2.0 * math.pi)
     candidates = np.arange(1.0, max(1, MAX_LENGTH // n) + 1.0)[:, None]
-    for turn in turns:
+    for turn in turns[:SIEVE]:  # few p pass the first components, and those are tried with all
         candidates = candidates[_on_grid(np.array([[turn]]), candidates)[:, 0]]
-        if candidates.size == 0:
-            return None
-    periods = int(candidates[0, 0])
+    for candidate in candidates:
+        if _on_grid(turns[None, :], candidate[None, :]).all():
+            break
+    else:
+        return None
+    periods = int(candidate[0])
     bins = np.round(turns * periods).astype(np.int64)
     length = periods * n
     oversampling = (2 * order * int(bins[-1])) // length + 1

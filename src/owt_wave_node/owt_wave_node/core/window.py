@@ -16,8 +16,10 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
+from numpy.polynomial.chebyshev import chebval
 
 from owt_model.errors import ComputationError
+from owt_wave_node.core.chebyshev import chebyshev_basis
 from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
 from owt_wave_node.core.grid import FrequencyGrid
 from owt_wave_node.core.parallel import slices
@@ -32,6 +34,8 @@ SLICE_BYTES = 16 * 2**20
 QUADRATURE = 256
 #: Points whose samples are divided by the window while they are in the cache.
 TOGETHER = 4
+#: Terms of the series of a bell's transform.
+SERIES = 48
 #: Samples whose quadrature is done together.
 BLOCK = 2048
 
@@ -181,9 +185,16 @@ class Window:
 def _deconvolution(
     bell: Bell, count: int, turn: float
 ) -> tuple[Float[np.ndarray, " time"], Float[np.ndarray, " time"]]:
-    """Reciprocal of the window and its relative rate per sample; phases advance by `turn` rad per sample."""
-    value, slope = bell.transform(turn * (np.arange(count) - count // 2))
-    return 1.0 / value, turn * slope / value
+    """Reciprocal of the window and its relative rate per sample; phases advance by `turn` rad per sample.
+
+    Both are so smooth, the first in its logarithm, that a short Chebyshev series is as exact as the bell.
+    """
+    place = np.arange(count) - count // 2
+    top = max(count // 2, 1)
+    node, basis = chebyshev_basis(SERIES)
+    value, slope = bell.transform(turn * top * node)
+    logarithm, rate = (chebval(place / top, basis @ part) for part in (np.log(value), slope / value))
+    return np.exp(-logarithm), turn * rate
 
 
 def good_length(least: int) -> int:

@@ -40,7 +40,7 @@ MAX_GAUGES = 400
 #: Factor and length in m added to the range of the surface, to be sure of what stays wet or dry.
 SAFETY, MARGIN = 1.1, 0.05
 #: Bytes of loads of a long record that are held at a time.
-HELD_BYTES = 150e6
+HELD_BYTES = 220e6
 #: Gauges of a record, in samples times gauges, whose elevation is held at a time.
 GAUGE_SAMPLES = 2**21
 
@@ -150,7 +150,7 @@ def window_length(case: CaseConfig, hydro: HydroMesh) -> int:
     """Samples of loads that are held at a time, a multiple of the stream's block unless they are all.
 
     As asked for; else the whole record up to 6000 samples, and equal parts of at most 6000 samples and
-    150 MB of a longer one.
+    220 MB of a longer one.
     """
     n, block = case.time.n, case.stream.block
     if case.wave.window is not None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -48,6 +50,16 @@ class Process:
     memory: float
 
 
+#: Starts a command from a small process: the system counts the memory of the one that starts it as its own.
+STARTER = """
+import json, resource, subprocess, sys, time
+start = time.perf_counter()
+status = subprocess.call(sys.argv[1:], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+wall, used = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+print(json.dumps([wall, used.ru_utime + used.ru_stime, used.ru_maxrss, status]))
+"""
+
+
 def process(command: list[str], environment: Mapping[str, str] | None = None) -> Process:
     """Run a command of the workspace once, as a user does.
 
@@ -56,17 +68,14 @@ def process(command: list[str], environment: Mapping[str, str] | None = None) ->
     RuntimeError
         If it fails.
     """
-    start = time.perf_counter()
-    child = subprocess.Popen(
-        command, cwd=ROOT, env=os.environ | (environment or {}), stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+    child = subprocess.run(
+        [sys.executable, "-S", "-c", STARTER, *command], cwd=ROOT, env=os.environ | (environment or {}),
+        stdout=subprocess.PIPE, check=True,
     )  # fmt: skip
-    _, status, usage = os.wait4(child.pid, 0)
-    child.returncode = os.waitstatus_to_exitcode(status)
-    if child.returncode != 0:
-        raise RuntimeError(f"{' '.join(command)} exited {child.returncode}")
-    elapsed = time.perf_counter() - start
-    return Process(elapsed, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+    wall, cpu, memory, status = json.loads(child.stdout)
+    if status != 0:
+        raise RuntimeError(f"{' '.join(command)} exited {status}")
+    return Process(wall, cpu, memory / 1024)
 
 
 def matmul_seconds() -> float:

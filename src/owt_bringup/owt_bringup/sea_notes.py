@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from owt_model.structure import Structure
     from owt_wave_node.sea_source import SourceReport
 
-__all__ = ["ignored_options", "load_reported_case", "load_resolved_case", "print_ignored", "print_warnings"]
+__all__ = ["ignored_options", "load_reported_case", "load_resolved_case", "print_notes", "print_warnings"]
 
 
 def load_resolved_case(path: Path) -> CaseConfig:
@@ -89,10 +89,25 @@ def _default(name: str) -> object:
     return Wave.model_fields[name].default
 
 
-def print_ignored(case: CaseConfig, command: str, mesh: Mesh | None = None) -> None:
-    """Print one line for each option of `case` without effect; see :func:`ignored_options`."""
+def print_notes(
+    case: CaseConfig, command: str, mesh: Mesh | None = None, *, error_estimate: float = 0.0
+) -> None:
+    """Print what a user of the results must know: compression, options without effect, warnings.
+
+    Parameters
+    ----------
+    command : str
+        See :func:`ignored_options`.
+    mesh : Mesh, optional
+        Of the structure, where the command needs one.
+    error_estimate : float
+        Of the second order relative to its standard deviation; zero where all pairs were summed.
+    """
+    if error_estimate > 0.0:
+        print(f"note: waves compressed, estimated error {error_estimate:.1g}", file=sys.stderr)
     for line in ignored_options(case, command, mesh):
         print(f"note: {line}", file=sys.stderr)
+    print_warnings(case, None if mesh is None else mesh.structure)
 
 
 def print_warnings(case: CaseConfig, structure: Structure | None = None) -> None:

@@ -90,6 +90,8 @@ class CaseResult:
     ----------
     report : ReportData
         Series and fatigue results, as the report shows them.
+    mesh : Mesh
+        The structure as computed.
     series : dict of arrays
         Every channel of every stream over the whole record, keyed ``stream.channel``; empty unless asked for.
     stage_seconds : dict
@@ -97,6 +99,7 @@ class CaseResult:
     """
 
     report: ReportData
+    mesh: Mesh
     series: dict[str, np.ndarray]
     stage_seconds: dict[str, float]
 
@@ -197,7 +200,7 @@ def run_case(
         sea_state=sea_facts(sea),
         versions=versions,
     )
-    return CaseResult(report, _series(kept), run.clock.seconds)
+    return CaseResult(report, run.mesh, _series(kept), run.clock.seconds)
 
 
 def _series(kept: list[CaseBlocks]) -> dict[str, np.ndarray]:

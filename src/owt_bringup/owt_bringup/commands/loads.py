@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,7 +27,7 @@ ROWS = 256
 def run(options: argparse.Namespace) -> int:
     """Compute and write t, force, moment, nodal and where the nodes are, window by window."""
     from owt_bringup.output import npz_file
-    from owt_bringup.sea_notes import load_resolved_case, print_ignored, print_warnings
+    from owt_bringup.sea_notes import load_resolved_case, print_notes
     from owt_model.mesh import build_mesh
     from owt_model.structure import load_structure
 
@@ -42,10 +41,7 @@ def run(options: argparse.Namespace) -> int:
     windows = replace(prepare_loads(case, mesh, sea, make_field(case, sea)), keep_ends=False)
     with npz_file(options.output) as file:
         _write(file, windows)
-    if windows.error_estimate > 0.0:
-        print(f"note: waves compressed, estimated error {windows.error_estimate:.1g}", file=sys.stderr)
-    print_ignored(case, "loads", mesh)
-    print_warnings(case, mesh.structure)
+    print_notes(case, "loads", mesh, error_estimate=windows.error_estimate)
     return 0
 
 
@@ -54,6 +50,7 @@ def _write(file: NpzFile, windows: LoadWindows) -> None:
     import numpy as np
 
     from owt_wave_node.core.loads import nodal_rows, resultant
+    from owt_wave_node.core.parallel import slices
 
     mesh, n = windows.hydro.mesh, windows.field.n
     total = []
@@ -61,8 +58,8 @@ def _write(file: NpzFile, windows: LoadWindows) -> None:
         for i in range(len(windows)):
             history = windows.window(i)
             total.append(resultant(history))
-            for start in range(0, len(total[-1]), ROWS):
-                write(nodal_rows(history, slice(start, min(start + ROWS, len(total[-1])))))
+            for rows in slices(len(total[-1]), ROWS):
+                write(nodal_rows(history, rows))
             del history  # before the next window is computed
     resultants = np.concatenate(total)
     file.add("t", np.arange(n) * windows.case.time.dt_s)

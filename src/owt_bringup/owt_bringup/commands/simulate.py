@@ -26,10 +26,8 @@ def run(options: argparse.Namespace) -> int:
 
     from owt_bringup.output import ProgressBar, prepare_folder, write_npz
     from owt_bringup.results import print_table, write_results
-    from owt_bringup.sea_notes import load_resolved_case, print_ignored, print_warnings
+    from owt_bringup.sea_notes import load_resolved_case, print_notes
     from owt_campaign.pipeline import run_case
-    from owt_model.mesh import build_mesh
-    from owt_model.structure import load_structure
     from owt_model.versions import versions
     from owt_postproc.report import head_figures
 
@@ -63,7 +61,5 @@ def run(options: argparse.Namespace) -> int:
     print_table([*head_figures(data), ("elapsed", speed), ("results", str(folder))])
     for note in data.reduced.notes:
         print(f"note: {note}", file=sys.stderr)
-    structure = load_structure(case.structure.model)
-    print_ignored(case, "simulate", build_mesh(structure))
-    print_warnings(case, structure)
+    print_notes(case, "simulate", result.mesh)
     return 0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 HELP = "wave elevation and kinematics at the points of a case file"
@@ -18,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Compute and write elevation, kinematics and the estimated error."""
     from owt_bringup.output import write_npz
-    from owt_bringup.sea_notes import load_resolved_case, print_ignored, print_warnings
+    from owt_bringup.sea_notes import load_resolved_case, print_notes
 
     case = load_resolved_case(options.case)  # before the costly imports: bad input is refused at once
     import numpy as np
@@ -29,8 +28,5 @@ def run(options: argparse.Namespace) -> int:
     names = ("t", "eta1", "eta2", "velocity", "acceleration", "velocity2", "acceleration2", "wet")
     arrays = {name: getattr(result, name) for name in names}
     write_npz(options.output, arrays | {"error_estimate": np.array(result.error_estimate)})
-    if result.error_estimate > 0.0:
-        print(f"note: waves compressed, estimated error {result.error_estimate:.1g}", file=sys.stderr)
-    print_ignored(case, "waves")
-    print_warnings(case)
+    print_notes(case, "waves", error_estimate=result.error_estimate)
     return 0

@@ -135,7 +135,7 @@ class GridField:
             series = self.grid.series(spectra, np.arange(len(phasor)), channels=2)
             first[rows], second[rows] = series[:, 0], series[:, 1]
 
-        map_threads(part, _chunks(x.size))
+        map_threads(part, slices(x.size, CHUNK))
         return first, second
 
     def _phasors(self, x: Float[np.ndarray, " point"]) -> Phasor:
@@ -221,11 +221,6 @@ class _GridPrepared:
 
     def kinematics(self, index: Int[np.ndarray, " some"]) -> Float[np.ndarray, "some channel time"]:
         return self._field._in_time(self._spectra, index)
-
-
-def _chunks(size: int) -> list[slice]:
-    """Points of the tasks of the threads."""
-    return [slice(i, min(i + CHUNK, size)) for i in range(0, size, CHUNK)]
 
 
 def _pack(

@@ -68,12 +68,6 @@ class FrequencyGrid:
         series = self.series(pairs.reshape(-1, 2, n_bins), np.arange(len(pairs) // 2), channels=2)
         return series.reshape(-1, self.n)[: len(rows)].reshape(*spectra.shape[:-1], self.n)
 
-    def to_time(self, half_spectra: Complex[np.ndarray, "*batch bin"]) -> Float[np.ndarray, "*batch time"]:
-        """Transform half coefficients (those an inverse real transform wants) to the n samples."""
-        whole = 2.0 * half_spectra
-        whole[..., 0] *= 0.5
-        return self.signal(whole)
-
     def _samples(self, series: Float[np.ndarray, "*batch length"]) -> Float[np.ndarray, "*batch time"]:
         if self.length == self.n:
             return series

@@ -17,6 +17,7 @@ from owt_wave_node.core.assembly import LoadHistory, assemble
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.hydro_mesh import HydroMesh, case_hydro_mesh, interface_level
 from owt_wave_node.core.kinematics import check_bed
+from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import EXACT, make_field
 from owt_wave_node.core.sea import Frame, build_sea_state, sea_field, sea_height
@@ -233,12 +234,11 @@ def _pieces(
     """Windows of a long record, or some gauges at a time of a short one or where a field has no windows."""
     step = max(1, GAUGE_SAMPLES // len(gauges))
     if isinstance(field, Windowed) and field.n > EXACT:
-        for start in range(0, field.n, step):
-            yield window_of(field, start, min(step, field.n - start)), gauges
+        for rows in slices(field.n, step):
+            yield window_of(field, rows.start, rows.stop - rows.start), gauges
     else:
-        some = max(1, GAUGE_SAMPLES // field.n)
-        for i in range(0, len(gauges), some):
-            yield field, gauges[i : i + some]
+        for rows in slices(len(gauges), max(1, GAUGE_SAMPLES // field.n)):
+            yield field, gauges[rows]
 
 
 def prepare_loads(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> LoadWindows:

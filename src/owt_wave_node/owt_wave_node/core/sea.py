@@ -44,10 +44,6 @@ class Frame:
         n_axes = points.shape[1]
         return np.ascontiguousarray(points @ self.axes[:, :n_axes].T)
 
-    def turn_back(self, vectors: Float[np.ndarray, "*batch 3"]) -> Float[np.ndarray, "*batch 3"]:
-        """Vectors in wave axes, as vectors in global axes."""
-        return np.asarray(vectors @ self.axes)
-
 
 #: The field that sets the height of the waves, for every way to give the sea.
 HEIGHT_FIELDS = {

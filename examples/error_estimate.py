@@ -54,8 +54,8 @@ def judge(count: int, n: int, models: tuple[str, ...]) -> np.ndarray:
         case = case_of(cell, "full", n=n, seed=seed)
         full = build_response_model(case, mesh, None) if full is None else full
         waves = build_wave_stage(case, mesh)
-        basis, damping = waves.load_basis(30), case.structure.damping
-        errors = ErrorModel(assembly, basis, alpha=damping.alpha, beta=damping.beta, dt=case.time.dt_s)
+        basis = waves.load_basis(30)
+        errors = ErrorModel(assembly, basis, damping=case.structure.damping, dt=case.time.dt_s)
         energy, stress = response(full, waves)
         spread = np.sqrt(stress.var(axis=0).sum(axis=-1))
         relevant = spread > 0.01 * spread.max()

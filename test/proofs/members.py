@@ -13,7 +13,8 @@ from owt_model.config import parse_case
 from owt_model.contracts import LoadBasis
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import parse_structure
-from owt_structure_node.core.response import build_modal_model, drag_rate
+from owt_model.structure_config import Damping
+from owt_structure_node.core.response import build_modal_model, model_damping
 from owt_wave_node.core.buoyancy import buoyancy
 from owt_wave_node.core.diffraction import inertia_ratio
 from owt_wave_node.core.hydro_damping import drag_damping, relative_force
@@ -184,7 +185,7 @@ def damping_rates(moving: bool) -> tuple[float, float]:
     model = build_modal_model(mesh, "full")
     shape = model.node_basis[:, 0, :]
     mode = int(np.abs(shape[:, :2]).max(axis=0).argmax())
-    predicted = float(drag_rate(model, basis)[mode])
+    predicted = float(model_damping(model, Damping(alpha=0.0, beta=0.0), basis).diagonal[mode])
     z = mesh.node_position[:13, 2]
     order = np.argsort(z)
     level = np.linspace(-DEPTH, 4.0, 97)

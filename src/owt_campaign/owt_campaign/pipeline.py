@@ -18,13 +18,16 @@ from owt_model.contracts import (
     LoadBlock,
     ModalBlock,
     StressBlock,
+    WrenchBlock,
     sea_facts,
 )
 from owt_model.mesh import Mesh, build_mesh
-from owt_model.structure import load_structure
+from owt_model.structure import case_structure
 from owt_postproc.core import stage as fatigue_stage
 from owt_postproc.report_data import ReportCollector, ReportData, mesh_geometry
 from owt_structure_node.core import stage as response_stage
+from owt_structure_node.core.tower_top import TowerTopLoad
+from owt_structure_node.wind_source import tower_top_load
 from owt_wave_node.core.stage import WaveStage, build_wave_stage
 from owt_wave_node.sea_source import resolve_case
 
@@ -45,10 +48,12 @@ class CaseBlocks:
     energy: EnergyBlock
     fatigue: FatigueBlock
     fatigue_state: fatigue_stage.FatigueState
+    tower_top: WrenchBlock | None = None
 
     def streams(self) -> tuple[Block, ...]:
         """The blocks in the order of the chain."""
-        return (self.elevation, self.load, self.modal, self.stress, self.energy, self.fatigue)
+        top = () if self.tower_top is None else (self.tower_top,)
+        return (self.elevation, self.load, *top, self.modal, self.stress, self.energy, self.fatigue)
 
 
 @dataclass
@@ -80,6 +85,7 @@ class CaseRun:
     response: response_stage.ResponseModel
     fatigue: fatigue_stage.FatigueModel
     clock: StageClock
+    tower_top: TowerTopLoad | None = None
 
 
 @dataclass(frozen=True)
@@ -114,16 +120,18 @@ def prepare_case(case: CaseConfig) -> CaseRun:
     """
     clock = StageClock()
     case = resolve_case(case)
-    mesh = build_mesh(load_structure(case.structure.model))
+    mesh = build_mesh(case_structure(case.structure))
     fatigue = fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members)
     clock.lap("model")
+    tower_top = tower_top_load(case, mesh)
+    clock.lap("tower-top load")
     wave = build_wave_stage(case, mesh)
     clock.lap("waves and loads")
     basis = wave.load_basis(response_stage.n_mta(case.structure.reduction))
     clock.lap("load basis")
-    response = response_stage.build_response_model(case, mesh, basis)
+    response = response_stage.build_response_model(case, mesh, basis, tower_top)
     clock.lap("reduction")
-    return CaseRun(case, mesh, wave, basis, response, fatigue, clock)
+    return CaseRun(case, mesh, wave, basis, response, fatigue, clock, tower_top)
 
 
 def stream_case(
@@ -145,11 +153,12 @@ def stream_case(
         clock.start()
         elevation, load = run.wave.elevation_block(i), run.wave.load_block(i)
         clock.lap("waves and loads")
-        response_state, out = response_stage.step(run.response, response_state, load)
+        wrench = None if run.tower_top is None else run.tower_top.block(load)
+        response_state, out = response_stage.step(run.response, response_state, load, wrench)
         clock.lap("response and stress")
         fatigue_state, counted = fatigue_stage.step(run.fatigue, fatigue_state, out.stress)
         clock.lap("rainflow")
-        yield CaseBlocks(elevation, load, out.modal, out.stress, out.energy, counted, fatigue_state)
+        yield CaseBlocks(elevation, load, out.modal, out.stress, out.energy, counted, fatigue_state, wrench)
         if progress is not None:
             progress((load.start + len(load.nodal)) * load.dt, duration)
 
@@ -206,8 +215,8 @@ def run_case(
 def _series(kept: list[CaseBlocks]) -> dict[str, np.ndarray]:
     """Join the sampled channels of the kept blocks, except the running fatigue results."""
     series: dict[str, np.ndarray] = {}
-    for stream in ("elevation", "load", "modal", "stress", "energy"):
-        blocks = [getattr(block, stream) for block in kept]
+    for stream in ("elevation", "load", "tower_top", "modal", "stress", "energy"):
+        blocks = [part for block in kept if (part := getattr(block, stream)) is not None]
         for channel in fields(blocks[0]) if blocks else ():
             values = [getattr(block, channel.name) for block in blocks]
             if not isinstance(values[0], np.ndarray):

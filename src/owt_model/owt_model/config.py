@@ -15,7 +15,6 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, model_validator
 
 from owt_model.errors import InputError
-from owt_model.reduction_name import parse_reduction
 from owt_model.sea_config import (
     Components,
     Coordinate,
@@ -26,7 +25,9 @@ from owt_model.sea_config import (
     SeaStateConfig,
     SpectrumFile,
 )
+from owt_model.structure_config import Damping, StructureConfig
 from owt_model.validation import Frozen, input_error
+from owt_model.wind_config import WindConfig
 
 __all__ = [
     "SEA_SOURCES",
@@ -45,6 +46,7 @@ __all__ = [
     "StructureConfig",
     "Time",
     "Wave",
+    "WindConfig",
     "load_case",
     "parse_case",
 ]
@@ -145,38 +147,6 @@ class Morison(Frozen):
         return self
 
 
-class Damping(Frozen):
-    """Rayleigh damping C = alpha M + beta K."""
-
-    alpha: float = Field(0.027, ge=0.0, le=10.0, description="mass proportional coefficient in 1/s")
-    beta: float = Field(0.002, ge=0.0, le=1.0, description="stiffness proportional coefficient in s")
-
-
-class StructureConfig(Frozen):
-    """Structure, its reduction and its time integration."""
-
-    model: str = Field(
-        "oc4", min_length=1, description="name of a shipped structure, or path of a YAML file or SubDyn deck"
-    )
-    reduction: str = Field(
-        "CB10M10",
-        description="full, auto, or CBnn, CBnnMmm, Mmm with orders jk, interface vectors Y, +SIM behind",
-    )
-    tolerance: float = Field(
-        0.001, gt=0.0, lt=1.0, description="estimated error in mean potential energy that auto allows"
-    )
-    damping: Damping = Field(default_factory=Damping)
-    dt_s: float = Field(0.02, gt=0.0, le=60.0, description="integration step in s; divides time.dt_s")
-    integrator: Literal["newmark", "newmark-explicit", "generalised-alpha", "exact"] = Field(
-        "newmark", description="time integration; exact for loads linear in a step"
-    )
-
-    @model_validator(mode="after")
-    def _known_reduction(self) -> StructureConfig:
-        parse_reduction(self.reduction)
-        return self
-
-
 class Fatigue(Frozen):
     """How stress becomes damage."""
 
@@ -218,7 +188,7 @@ class CaseConfig(Frozen):
     structure: StructureConfig = Field(default_factory=StructureConfig)
     fatigue: Fatigue = Field(default_factory=Fatigue)
     stream: Stream = Field(default_factory=Stream)
-    wind: None = Field(None, description="no wind load yet")
+    wind: WindConfig | None = Field(None, description="load at the tower top; null for none")
 
     @model_validator(mode="after")
     def _possible(self) -> CaseConfig:

@@ -26,6 +26,7 @@ __all__ = [
     "ReducedDescription",
     "SeaState",
     "StressBlock",
+    "WrenchBlock",
     "sea_facts",
 ]
 
@@ -130,6 +131,13 @@ class LoadBlock(Block):
 
 
 @dataclass(frozen=True)
+class WrenchBlock(Block):
+    """Force in N and moment in N m on the tower-top node, global axes, at the load step."""
+
+    wrench: Float[np.ndarray, "sample 6"]
+
+
+@dataclass(frozen=True)
 class LoadBasis:
     """Proper orthogonal decomposition of a load history (thesis appendix E).
 
@@ -180,6 +188,8 @@ class LoadBasis:
 class ReducedDescription:
     """Names and frequencies of the assembled reduced model, in the order of its arrays.
 
+    ``substructure_name`` are the parts that the energies are given for.
+
     ``reduction`` is the basis in use, where the case leaves the choice (``auto``) too; ``notes`` say what it
     has less than was asked for, and what is known of its error.
     """
@@ -193,6 +203,7 @@ class ReducedDescription:
     end_name: tuple[str, ...]
     tower_top_coordinate: int
     notes: tuple[str, ...] = ()
+    substructure_name: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -222,12 +233,17 @@ class StressBlock(Block):
 
 @dataclass(frozen=True)
 class EnergyBlock(Block):
-    """Potential and kinetic energy in J, total and per mode of the assembled reduced model."""
+    """Potential and kinetic energy in J: total, per mode of the assembled reduced model, per substructure.
+
+    Modes may be fewer than the model has; the substructures add up to the total.
+    """
 
     potential: Float[np.ndarray, " sample"]
     kinetic: Float[np.ndarray, " sample"]
     potential_mode: Float[np.ndarray, "sample mode"]
     kinetic_mode: Float[np.ndarray, "sample mode"]
+    potential_substructure: Float[np.ndarray, "sample part"]
+    kinetic_substructure: Float[np.ndarray, "sample part"]
 
 
 @dataclass(frozen=True)

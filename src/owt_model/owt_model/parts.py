@@ -15,6 +15,7 @@ from owt_model.validation import Frozen
 
 __all__ = [
     "AddedMass",
+    "Dashpot",
     "Fixity",
     "Flooding",
     "Interface",
@@ -23,6 +24,7 @@ __all__ = [
     "Member",
     "Point",
     "PointMass",
+    "Positive",
     "Release",
     "RigidLink",
     "RotorNacelle",
@@ -115,6 +117,32 @@ SpringRow = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
 SpringMatrix = Annotated[tuple[SpringRow, ...], Field(min_length=6, max_length=6)]
 
 
+def _six_by_six(given: SpringRow | SpringMatrix) -> SpringMatrix:
+    """Six coefficients as a diagonal matrix; a matrix as it is."""
+    rows = [row for row in given if isinstance(row, tuple)]
+    if rows:
+        return tuple(rows)
+    diagonal = [value for value in given if not isinstance(value, tuple)]
+    return tuple(tuple(k if i == j else 0.0 for j in range(6)) for i, k in enumerate(diagonal))
+
+
+def _check_passive(field: str, given: SpringMatrix) -> None:
+    """Refuse a matrix that is not symmetric, or gives energy in some direction."""
+    matrix = np.array(given)
+    if not np.array_equal(matrix, matrix.T):
+        raise InputError(field, "a matrix", "must be symmetric", "Check its entries.")
+    # Scaled to a unit diagonal: translations and rotations have different units.
+    scale = np.sqrt(np.maximum(np.abs(np.diag(matrix)), 1e-300))
+    lowest = float(np.linalg.eigvalsh(matrix / scale[:, None] / scale)[0])
+    if not lowest >= -1e-9:
+        raise InputError(
+            field,
+            lowest,
+            "must not be negative in any direction (lowest eigenvalue, scaled)",
+            "Check signs and units.",
+        )
+
+
 class Spring(Frozen):
     """Linear spring in six directions."""
 
@@ -124,29 +152,42 @@ class Spring(Frozen):
 
     @model_validator(mode="after")
     def _passive(self) -> Spring:
-        matrix = np.array(self.matrix)
-        if not np.array_equal(matrix, matrix.T):
-            raise InputError("springs.*.stiffness", "a matrix", "must be symmetric", "Check its entries.")
-        # Scaled to a unit diagonal: translations and rotations have different units.
-        scale = np.sqrt(np.maximum(np.abs(np.diag(matrix)), 1e-300))
-        lowest = float(np.linalg.eigvalsh(matrix / scale[:, None] / scale)[0])
-        if not lowest >= -1e-9:
+        _check_passive("springs.*.stiffness", self.matrix)
+        return self
+
+    @property
+    def matrix(self) -> SpringMatrix:
+        """The 6 x 6 stiffness."""
+        return _six_by_six(self.stiffness)
+
+
+class Dashpot(Frozen):
+    """Viscous damper in six directions, global axes: from one place to the ground, or between two.
+
+    Between two it resists their relative motion, at the second.
+    """
+
+    joints: Annotated[tuple[str, ...], Field(min_length=1, max_length=2)] = Field(
+        description="one or two joints, or tower_top"
+    )
+    damping: SpringRow | SpringMatrix = Field(
+        description="six coefficients (x, y, z in N s/m, about x, y, z in N m s/rad) or a symmetric 6 x 6 "
+        "matrix"
+    )
+
+    @model_validator(mode="after")
+    def _passive(self) -> Dashpot:
+        _check_passive("dashpots.*.damping", self.matrix)
+        if len(set(self.joints)) < len(self.joints):
             raise InputError(
-                "springs.*.stiffness",
-                lowest,
-                "must not be negative in any direction (lowest eigenvalue, scaled)",
-                "Check signs and units.",
+                "dashpots.*.joints", self.joints, "must be two places", "Name one for the ground."
             )
         return self
 
     @property
-    def matrix(self) -> tuple[tuple[float, ...], ...]:
-        """The 6 x 6 stiffness."""
-        rows = [row for row in self.stiffness if isinstance(row, tuple)]
-        if rows:
-            return tuple(rows)
-        diagonal = [value for value in self.stiffness if not isinstance(value, tuple)]
-        return tuple(tuple(k if i == j else 0.0 for j in range(6)) for i, k in enumerate(diagonal))
+    def matrix(self) -> SpringMatrix:
+        """The 6 x 6 damping."""
+        return _six_by_six(self.damping)
 
 
 class SupportSpring(Spring):

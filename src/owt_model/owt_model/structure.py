@@ -19,6 +19,7 @@ from pydantic import Field, ValidationError, model_validator
 from owt_model.errors import InputError
 from owt_model.parts import (
     AddedMass,
+    Dashpot,
     Fixity,
     Flooding,
     Interface,
@@ -27,6 +28,7 @@ from owt_model.parts import (
     Member,
     Point,
     PointMass,
+    Positive,
     Release,
     RigidLink,
     RotorNacelle,
@@ -35,10 +37,12 @@ from owt_model.parts import (
     SupportSpring,
     Tower,
 )
+from owt_model.structure_config import StructureConfig
 from owt_model.validation import Frozen, input_error
 
 __all__ = [
     "AddedMass",
+    "Dashpot",
     "Flooding",
     "Interface",
     "JointSpring",
@@ -53,10 +57,15 @@ __all__ = [
     "Structure",
     "SupportSpring",
     "Tower",
+    "case_structure",
     "load_structure",
     "parse_structure",
     "shipped_structures",
 ]
+
+
+#: Name of the tower's upper end in `dashpots`; the transition piece where there is no tower.
+TOWER_TOP = "tower_top"
 
 
 class Structure(Frozen):
@@ -104,6 +113,12 @@ class Structure(Frozen):
     static_state: StaticState | None = Field(
         None, description="count the weights' geometric stiffness in every analysis"
     )
+    dashpots: dict[str, Dashpot] = Field(
+        default_factory=dict, description="viscous dampers of joints and tower top"
+    )
+    jacket_stiffness_factor: Positive = Field(
+        1.0, description="factor on the stiffness of the members, not of the tower: for sensitivity studies"
+    )
     notes: tuple[str, ...] = Field((), description="what an import left out")
 
     @model_validator(mode="after")
@@ -142,6 +157,9 @@ class Structure(Frozen):
             for name, part in parts.items():
                 for joint in part.joints:
                     known(f"{table}.{name}.joints", joint, self.joints, "joint")
+        for name, dashpot in self.dashpots.items():
+            for joint in set(dashpot.joints) - {TOWER_TOP}:
+                known(f"dashpots.{name}.joints", joint, self.joints, "joint")
         if not (self.supports or self.support_springs or self.free):
             raise InputError(
                 "supports", {}, "must name at least one joint", "A free structure is a mechanism."
@@ -314,6 +332,20 @@ def load_structure(model: str) -> Structure:
             return None
 
     return parse_subdyn(text, source=model, read=beside)
+
+
+def case_structure(config: StructureConfig) -> Structure:
+    """Load the structure of a case, with what the case changes in it.
+
+    Raises
+    ------
+    InputError
+        As :func:`load_structure`.
+    """
+    structure = load_structure(config.model)
+    if config.jacket_stiffness_factor is None:
+        return structure
+    return structure.model_copy(update={"jacket_stiffness_factor": config.jacket_stiffness_factor})
 
 
 class _UniqueKeys(yaml.SafeLoader):

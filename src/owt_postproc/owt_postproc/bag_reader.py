@@ -198,6 +198,7 @@ _DECODE: dict[str, Callable[[Any], Block]] = {
     f"{PREFIX}ModalState": decode.to_modal,
     f"{PREFIX}MemberStress": decode.to_stress,
     f"{PREFIX}Energy": decode.to_energy,
+    f"{PREFIX}TowerTopLoad": decode.to_tower_top_load,
 }
 
 

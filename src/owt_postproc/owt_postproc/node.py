@@ -54,7 +54,7 @@ class PostprocNode(StageNode):
         self._recorder = Recorder(self.options.bag, case, overwrite=self.options.overwrite)
         self._fatigue = self.outlet(topics.FATIGUE)
         self._streams = {}
-        for topic in topics.RECORDED:
+        for topic in topics.recorded(case):
             if topic.kind is Kind.LATCHED:
                 self.inlet(topic, partial(self._on_latched, topic), raw=True)
             elif topic.kind is Kind.DATA and topic is not topics.FATIGUE:

@@ -10,7 +10,7 @@ from owt_model.errors import OwtError
 from owt_model.versions import versions
 from owt_postproc.bag import BagWriter
 from owt_ros import schema
-from owt_ros.topics import RECORDED, Kind, Topic
+from owt_ros.topics import Kind, Topic, recorded
 
 __all__ = ["Recorder"]
 
@@ -35,9 +35,9 @@ class Recorder:
 
     def __init__(self, bag: str, case: CaseConfig, *, overwrite: bool) -> None:
         self._writer = BagWriter(bag, overwrite=overwrite)
-        self.counts = {topic.label: 0 for topic in RECORDED}
+        self.counts = {topic.label: 0 for topic in recorded(case)}
         try:
-            for topic in RECORDED:
+            for topic in recorded(case):
                 name = schema.type_name(topic.message)
                 self._writer.add_topic(
                     topic.label,

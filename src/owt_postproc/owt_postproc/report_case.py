@@ -10,7 +10,7 @@ from owt_model.config import SEA_SOURCES, CaseConfig
 __all__ = ["case_facts"]
 
 #: Parts of a case that other tables of the report show, or that do not change a result.
-ELSEWHERE = ("points_m", "stream", "wind")
+ELSEWHERE = ("points_m", "stream")
 #: Numbers of a list that are still written out.
 SHORT = 6
 

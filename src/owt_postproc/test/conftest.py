@@ -67,6 +67,7 @@ SCHEMAS = {
         "Energy",
         HEAD
         + "float64[] potential\nfloat64[] kinetic\nfloat64[] potential_mode\nfloat64[] kinetic_mode\n"
+        + "float64[] potential_substructure\nfloat64[] kinetic_substructure\n"
         + HEADER,
     ),
 }
@@ -147,7 +148,8 @@ def invented_run(duration: float = 40.0, block: int = 50) -> InventedRun:
             StressBlock(**head, axial=stress[0], bending_y=stress[1], bending_z=stress[2],
                         von_mises=np.abs(stress[0]) + np.hypot(*stress[1:])),
             EnergyBlock(**head, potential=energy[r, 0], kinetic=energy[r, 1], potential_mode=energy[r, :2],
-                        kinetic_mode=energy[r, 2:]),
+                        kinetic_mode=energy[r, 2:], potential_substructure=energy[r, :2],
+                        kinetic_substructure=energy[r, 2:]),
         ]  # fmt: skip
     sea = {
         "hs_m": 6.0, "tp_s": 9.45, "gamma": 1.3, "direction_deg": 210.0, "seed": 1, "order": 2,

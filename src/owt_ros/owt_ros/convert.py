@@ -20,6 +20,7 @@ from owt_model.contracts import (
     ReducedDescription,
     SeaState,
     StressBlock,
+    WrenchBlock,
 )
 from owt_model.mesh import Mesh
 from owt_ros.wire import NO_MEMBER, doubles, flat_array, uint32s
@@ -36,6 +37,7 @@ __all__ = [
     "sea_state_message",
     "stamp",
     "stress_message",
+    "tower_top_load_message",
 ]
 
 
@@ -128,6 +130,7 @@ def reduced_model_message(description: ReducedDescription) -> owt.ReducedModel:
         end_member=uint32s(ends // 2),
         end_side=flat_array("B", np.uint8, ends % 2),
         notes=list(description.notes),
+        substructure_name=list(description.substructure_name),
     )
 
 
@@ -153,6 +156,13 @@ def nodal_loads_message(block: LoadBlock) -> owt.NodalLoads:
         fixed_end=doubles(block.fixed_end),
     )
     _fill_head(message, block, len(block.nodal))
+    return message
+
+
+def tower_top_load_message(block: WrenchBlock) -> owt.TowerTopLoad:
+    """Write a block of tower-top loads."""
+    message = owt.TowerTopLoad(wrench=doubles(block.wrench))
+    _fill_head(message, block, len(block.wrench))
     return message
 
 
@@ -186,6 +196,8 @@ def energy_message(block: EnergyBlock) -> owt.Energy:
         kinetic=doubles(block.kinetic),
         potential_mode=doubles(block.potential_mode),
         kinetic_mode=doubles(block.kinetic_mode),
+        potential_substructure=doubles(block.potential_substructure),
+        kinetic_substructure=doubles(block.kinetic_substructure),
     )
     _fill_head(message, block, len(block.potential))
     return message

@@ -21,6 +21,7 @@ from owt_model.contracts import (
     ModalBlock,
     ReducedDescription,
     StressBlock,
+    WrenchBlock,
 )
 from owt_model.timing import sample_index
 from owt_ros.wire import head_of, indices, read_doubles, time_ns
@@ -34,6 +35,8 @@ __all__ = [
     "to_nodal_loads",
     "to_reduced_model",
     "to_stress",
+    "to_tower_top_load",
+    "to_wrench",
 ]
 
 
@@ -70,7 +73,9 @@ def to_reduced_model(message: Any) -> ReducedDescription:
         damping_ratio=read_doubles(message, "damping_ratio", -1),
         end_name=tuple(message.end_name),
         tower_top_coordinate=int(message.tower_top_coordinate),
-        notes=tuple(getattr(message, "notes", ())),  # older recordings have none
+        # older recordings have none of these
+        notes=tuple(getattr(message, "notes", ())),
+        substructure_name=tuple(getattr(message, "substructure_name", ())),
     )
 
 
@@ -105,6 +110,18 @@ def to_nodal_loads(message: Any) -> LoadBlock:
     )
 
 
+def to_tower_top_load(message: Any) -> WrenchBlock:
+    """Read a block of tower-top loads."""
+    return WrenchBlock(**_block(message), wrench=read_doubles(message, "wrench", int(message.samples), 6))
+
+
+def to_wrench(message: Any) -> tuple[int, Float[np.ndarray, " 6"]]:
+    """Read a stamped wrench: simulated time in ns, and forces in N and moments in N m."""
+    force, torque = message.wrench.force, message.wrench.torque
+    values = [force.x, force.y, force.z, torque.x, torque.y, torque.z]
+    return time_ns(message.header.stamp), np.array(values, dtype=np.float64)
+
+
 def to_modal(message: Any) -> ModalBlock:
     """Read a block of generalised response."""
     displacement = read_doubles(message, "displacement", int(message.samples), -1)
@@ -132,12 +149,18 @@ def to_energy(message: Any) -> EnergyBlock:
     """Read a block of energies."""
     samples = int(message.samples)
     potential_mode = read_doubles(message, "potential_mode", samples, -1)
+    parts = np.zeros((samples, 0)), np.zeros((samples, 0))  # older recordings have none
+    if hasattr(message, "potential_substructure"):
+        potential = read_doubles(message, "potential_substructure", samples, -1)
+        parts = potential, read_doubles(message, "kinetic_substructure", *potential.shape)
     return EnergyBlock(
         **_block(message),
         potential=read_doubles(message, "potential", samples),
         kinetic=read_doubles(message, "kinetic", samples),
         potential_mode=potential_mode,
         kinetic_mode=read_doubles(message, "kinetic_mode", *potential_mode.shape),
+        potential_substructure=parts[0],
+        kinetic_substructure=parts[1],
     )
 
 

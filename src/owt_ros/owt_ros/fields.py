@@ -109,8 +109,6 @@ def leaves(model: type[BaseModel], prefix: str = "", *, optional: bool = False) 
     for key, field in model.model_fields.items():
         name, members = f"{prefix}{key}", _members(field.annotation)
         default = None if optional or field.is_required() else field.get_default(call_default_factory=True)
-        if members == (type(None),) or not members:
-            continue  # a field that can only be null
         if isinstance(members[0], type) and issubclass(members[0], BaseModel):
             yield from leaves(members[0], f"{name}.", optional=optional or default is None)
             continue

@@ -1,11 +1,11 @@
-"""Ties simulated time to wall time, where a graph is not to run as fast as it can."""
+"""Wall time: ties simulated time to it, and says when something has been waited for too long."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
 
-__all__ = ["Pace"]
+__all__ = ["Pace", "Patience"]
 
 
 class Pace:
@@ -39,3 +39,28 @@ class Pace:
     def period_s(self, step_s: float) -> float:
         """Wall time in s that `step_s` of simulated time takes; 0 without a limit."""
         return step_s / self._rate if self._rate > 0.0 else 0.0
+
+
+class Patience:
+    """Says when something has been waited for too long.
+
+    Parameters
+    ----------
+    limit_s : float
+        Longest wait in s.
+    clock : callable
+        Wall time in s.
+    """
+
+    def __init__(self, limit_s: float, clock: Callable[[], float] = time.monotonic) -> None:
+        self.limit_s, self._clock = limit_s, clock
+        self._since: float | None = None
+
+    def is_over(self, *, waiting: bool) -> bool:
+        """Tell whether the wait has been too long; a wait begins with the first call that says so."""
+        if not waiting:
+            self._since = None
+            return False
+        now = self._clock()
+        self._since = now if self._since is None else self._since
+        return now - self._since > self.limit_s

@@ -45,6 +45,6 @@ def qos_for(topic: Topic, *, window: int = 1) -> QoSProfile:
         durability=DurabilityPolicy.TRANSIENT_LOCAL
         if latched or topic is CREDIT
         else DurabilityPolicy.VOLATILE,
-        history=HistoryPolicy.KEEP_LAST,
+        history=HistoryPolicy.KEEP_ALL if topic.kind is Kind.INPUT else HistoryPolicy.KEEP_LAST,
         depth=depth,
     )

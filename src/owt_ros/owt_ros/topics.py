@@ -11,6 +11,7 @@ from enum import Enum
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import WrenchStamped
 from owt_msgs.msg import (
     Credit,
     Energy,
@@ -24,8 +25,11 @@ from owt_msgs.msg import (
     ReducedModel,
     SeaState,
     SurfaceElevation,
+    TowerTopLoad,
 )
 from rosgraph_msgs.msg import Clock
+
+from owt_model.config import CaseConfig
 
 __all__ = [
     "CLOCK",
@@ -45,9 +49,12 @@ __all__ = [
     "STATUS",
     "STRUCTURE",
     "SURFACE_ELEVATION",
+    "TOWER_TOP_LOAD",
+    "TOWER_TOP_WRENCH",
     "WAVE",
     "Kind",
     "Topic",
+    "recorded",
 ]
 
 WAVE = "wave_node"
@@ -61,6 +68,7 @@ class Kind(Enum):
     LATCHED = "latched"  # one message, late joiners get it
     DATA = "data"  # a numbered stream under flow control
     EVENT = "event"  # small messages without flow control
+    INPUT = "input"  # from outside the graph, without flow control; none is lost
 
 
 @dataclass(frozen=True)
@@ -96,6 +104,9 @@ NODAL_LOADS = Topic("owt/nodal_loads", NodalLoads, Kind.DATA, WAVE, (STRUCTURE, 
 MODAL_STATE = Topic("owt/modal_state", ModalState, Kind.DATA, STRUCTURE, (POSTPROC,))
 MEMBER_STRESS = Topic("owt/member_stress", MemberStress, Kind.DATA, STRUCTURE, (POSTPROC,))
 ENERGY = Topic("owt/energy", Energy, Kind.DATA, STRUCTURE, (POSTPROC,))
+#: Only of a case with a load at the tower top; the wrench comes from outside, where the case asks for it.
+TOWER_TOP_LOAD = Topic("owt/tower_top_load", TowerTopLoad, Kind.DATA, STRUCTURE, (POSTPROC,))
+TOWER_TOP_WRENCH = Topic("owt/tower_top_wrench", WrenchStamped, Kind.INPUT)
 #: Nobody needs to acknowledge it: its producer records it itself.
 FATIGUE = Topic("owt/fatigue", FatigueState, Kind.DATA, POSTPROC)
 CLOCK = Topic("clock", Clock, Kind.EVENT, WAVE, (POSTPROC,))
@@ -104,7 +115,7 @@ DIAGNOSTICS = Topic("diagnostics", DiagnosticArray, Kind.EVENT)
 CREDIT = Topic("owt/credit", Credit, Kind.EVENT)
 STATUS = Topic("owt/status", NodeStatus, Kind.LATCHED)
 
-#: What a bag holds.
+#: What the bag of every case holds.
 RECORDED = (
     MODEL,
     SEA_STATE,
@@ -119,3 +130,8 @@ RECORDED = (
     CLOCK,
     DIAGNOSTICS,
 )
+
+
+def recorded(case: CaseConfig) -> tuple[Topic, ...]:
+    """Topics that the bag of a case holds."""
+    return RECORDED if case.wind is None else (*RECORDED, TOWER_TOP_LOAD)

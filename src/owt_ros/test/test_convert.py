@@ -18,6 +18,7 @@ from owt_model.contracts import (
     ReducedDescription,
     SeaState,
     StressBlock,
+    WrenchBlock,
 )
 from owt_model.errors import ComputationError
 from owt_model.mesh import build_mesh
@@ -43,8 +44,15 @@ BLOCKS = {
     "modal": ModalBlock(**HEAD, displacement=_r(5, 3), velocity=_r(5, 3), acceleration=_r(5, 3)),
     "stress": StressBlock(**HEAD, axial=_r(5, 6), bending_y=_r(5, 6), bending_z=_r(5, 6), von_mises=_r(5, 6)),
     "energy": EnergyBlock(
-        **HEAD, potential=_r(5), kinetic=_r(5), potential_mode=_r(5, 3), kinetic_mode=_r(5, 3)
+        **HEAD,
+        potential=_r(5),
+        kinetic=_r(5),
+        potential_mode=_r(5, 3),
+        kinetic_mode=_r(5, 3),
+        potential_substructure=_r(5, 2),
+        kinetic_substructure=_r(5, 2),
     ),
+    "tower_top_load": WrenchBlock(**HEAD, wrench=_r(5, 6)),
     "load_basis": LoadBasis(
         model_hash="ab12",
         node=NODE,
@@ -67,6 +75,7 @@ BLOCKS = {
         end_name=("M1:J1", "M1:J2"),
         tower_top_coordinate=-1,
         notes=("CB02 has no tower", "and two notes"),
+        substructure_name=("jacket", "tower"),
     ),
 }
 FATIGUE = FatigueBlock(

@@ -51,13 +51,18 @@ def test_every_field_is_a_parameter_with_a_description() -> None:
     table = {leaf.name: leaf for leaf in leaves(CaseConfig)}
     assert set(case_values(CaseConfig())) <= set(table)
     unset = {name for name, leaf in table.items() if leaf.default is None}
-    optional = ("components.", "spectrum_file.", "measured.", "regular.", "current.", "sea_state.focus.")
+    parts = ("components", "spectrum_file", "measured", "regular", "current", "sea_state.focus", "wind")
+    optional = tuple(f"{part}." for part in parts)
     assert {name for name in unset if not name.startswith(optional)} == {
         "sea_state.gamma",
         "sea_state.spreading",
         "sea_state.systems",
         "wave.window",
         "points_m",
+        "structure.jacket_stiffness_factor",
+        "structure.damping.fit",
+        "structure.damping.modes",
+        "structure.damping.tower_top",
     }
     for leaf in table.values():
         assert leaf.description, leaf.name

@@ -3,12 +3,15 @@
 import pytest
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from owt_model.config import parse_case
 from owt_model.errors import InputError
 from owt_ros.schema import definition, type_hash, type_name
-from owt_ros.topics import CREDIT, RECORDED, STATUS
+from owt_ros.topics import CREDIT, RECORDED, STATUS, TOWER_TOP_LOAD, recorded
+
+EVERY = recorded(parse_case({"wind": {"thrust": {}}}))
 
 
-@pytest.mark.parametrize("topic", RECORDED, ids=lambda topic: topic.label)
+@pytest.mark.parametrize("topic", EVERY, ids=lambda topic: topic.label)
 def test_an_independent_library_reads_the_schema_and_computes_the_same_hash(topic) -> None:
     name = type_name(topic.message)
     store = get_typestore(Stores.EMPTY)
@@ -30,5 +33,10 @@ def test_unknown_types_are_named() -> None:
 
 
 def test_flow_control_and_supervision_are_not_recorded() -> None:
-    assert CREDIT not in RECORDED
-    assert STATUS not in RECORDED
+    assert CREDIT not in EVERY
+    assert STATUS not in EVERY
+
+
+def test_the_load_at_the_tower_top_is_recorded_where_there_is_one() -> None:
+    assert set(EVERY) == {*RECORDED, TOWER_TOP_LOAD}
+    assert recorded(parse_case({})) == RECORDED

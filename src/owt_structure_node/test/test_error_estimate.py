@@ -11,6 +11,7 @@ import pytest
 from owt_model.errors import InputError
 from owt_model.mesh import build_mesh
 from owt_model.pod import load_basis
+from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import assemble
 from owt_structure_node.core.auto import Target, auto_reduction, candidates, chosen_reduction, spectral_note
 from owt_structure_node.core.error_estimate import ErrorModel
@@ -18,8 +19,9 @@ from owt_structure_node.core.modes import factorise
 from owt_structure_node.core.reduction import reduce
 
 DT = 0.1
-TARGET = Target(tolerance=1e-3, alpha=0.02, beta=0.002, dt=DT)
-DAMPING = {"alpha": 0.02, "beta": 0.002, "dt": DT}
+RAYLEIGH = Damping(alpha=0.02, beta=0.002)
+TARGET = Target(tolerance=1e-3, damping=RAYLEIGH, dt=DT)
+DAMPING = {"damping": RAYLEIGH, "dt": DT}
 
 
 @pytest.fixture(scope="module")

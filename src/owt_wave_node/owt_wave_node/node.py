@@ -9,7 +9,7 @@ from rosgraph_msgs.msg import Clock
 from owt_model.config import CaseConfig
 from owt_model.mesh import build_mesh
 from owt_model.reduction_name import parse_reduction
-from owt_model.structure import load_structure
+from owt_model.structure import case_structure
 from owt_ros import convert, topics
 from owt_ros.convert import stamp
 from owt_ros.lifecycle import StageNode
@@ -30,7 +30,7 @@ class WaveNode(StageNode):
         """Compute the record."""
         with interruptible():
             case = resolve_case(case)
-            mesh = build_mesh(load_structure(case.structure.model))
+            mesh = build_mesh(case_structure(case.structure))
             self._stage = build_wave_stage(case, mesh)
             basis = self._stage.load_basis(parse_reduction(case.structure.reduction).load_vectors)
         self._latched = [

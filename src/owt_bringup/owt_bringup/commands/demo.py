@@ -29,13 +29,13 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.output import ProgressBar
     from owt_bringup.results import print_table, write_results
     from owt_bringup.sea_notes import print_warnings
-    from owt_model.structure import load_structure
+    from owt_model.structure import case_structure
     from owt_postproc.bag_report import bag_report
     from owt_postproc.report import head_figures
 
     start = time.perf_counter()
     case = case_from_flags(options)
-    structure = load_structure(case.structure.model)
+    structure = case_structure(case.structure)
     structure.check_water_depth(case.water_depth_m)
     bar = ProgressBar("graph")
     try:

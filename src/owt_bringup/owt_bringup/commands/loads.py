@@ -29,10 +29,10 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.output import npz_file
     from owt_bringup.sea_notes import load_resolved_case, print_notes
     from owt_model.mesh import build_mesh
-    from owt_model.structure import load_structure
+    from owt_model.structure import case_structure
 
     case = load_resolved_case(options.case)  # before the costly imports: bad input is refused at once
-    mesh = build_mesh(load_structure(case.structure.model))
+    mesh = build_mesh(case_structure(case.structure))
     from owt_wave_node.core.loads import prepare_loads
     from owt_wave_node.core.route import make_field
     from owt_wave_node.core.sea import build_sea_state

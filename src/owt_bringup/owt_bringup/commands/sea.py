@@ -25,10 +25,10 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.output import write_json
     from owt_bringup.results import print_table
     from owt_bringup.sea_notes import load_reported_case, print_warnings
-    from owt_model.structure import load_structure
+    from owt_model.structure import case_structure
 
     case, source = load_reported_case(options.case)
-    structure = load_structure(case.structure.model)
+    structure = case_structure(case.structure)
     from owt_wave_node.core.sea_report import sea_report
 
     report = sea_report(case, structure)

@@ -83,25 +83,24 @@ def element_transformation(mesh: Mesh) -> Float[np.ndarray, "element 12 12"]:
 
 
 def element_stiffness(mesh: Mesh) -> Float[np.ndarray, "element 12 12"]:
-    """Stiffness matrices in element axes; the tower is Euler-Bernoulli always."""
+    """Stiffness matrices in element axes; the tower is Euler-Bernoulli always, and as stiff as it is."""
     length = mesh.element_length
     section = (mesh.element_diameter, mesh.element_thickness)
     modulus = (mesh.element_youngs_modulus, mesh.element_shear_modulus)
     shear = np.zeros(mesh.n_elements)
     if mesh.structure.beam == "timoshenko":
         shear = np.where(mesh.is_tower, 0.0, shear_parameter(length, *section, *modulus))
-    return stiffness(length, *section, *modulus, shear)
+    factor = np.where(mesh.is_tower, 1.0, mesh.structure.jacket_stiffness_factor)
+    return np.asarray(factor[:, None, None] * stiffness(length, *section, *modulus, shear))
 
 
-def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0, interface_held: bool = False) -> Assembly:
+def assemble(mesh: Mesh, *, interface_held: bool = False) -> Assembly:
     """Assemble stiffness and mass of `mesh`.
 
     Parameters
     ----------
     mesh : Mesh
         From :func:`owt_model.mesh.build_mesh`.
-    jacket_stiffness_factor : float
-        Factor on the stiffness of the members, not on the tower (the thesis' frequency model has 0.37).
     interface_held : bool
         Accept a structure that only the interface holds: for what is done with the interface fixed.
 
@@ -116,7 +115,6 @@ def assemble(mesh: Mesh, *, jacket_stiffness_factor: float = 1.0, interface_held
     transform = element_transformation(mesh)
     tower = mesh.is_tower
     local_k = element_stiffness(mesh)
-    local_k[~tower] *= jacket_stiffness_factor
     local_m, node_mass, totals = _masses(mesh)
     element_k = transform.transpose(0, 2, 1) @ local_k @ transform
     element_m = transform.transpose(0, 2, 1) @ local_m @ transform

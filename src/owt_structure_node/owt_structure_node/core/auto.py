@@ -9,6 +9,7 @@ import numpy as np
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 from owt_model.reduction_name import AUTO_MODES, AUTO_VECTORS, parse_reduction
+from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import Assembly
 from owt_structure_node.core.error_estimate import ErrorEstimate, ErrorModel
 from owt_structure_node.core.reduction import Interior, Reduction, reduce, solve_interior
@@ -27,15 +28,14 @@ class Target:
     ----------
     tolerance : float
         Estimated relative error in mean potential energy that is allowed.
-    alpha, beta : float
-        Rayleigh coefficients.
+    damping : Damping
+        Of the structure.
     dt : float
         Time step of the loads in s.
     """
 
     tolerance: float
-    alpha: float
-    beta: float
+    damping: Damping
     dt: float
 
 
@@ -65,8 +65,6 @@ def auto_reduction(
     assembly: Assembly,
     basis: LoadBasis,
     target: Target,
-    *,
-    jacket_stiffness_factor: float = 1.0,
 ) -> Choice:
     """Choose the smallest basis that meets the tolerance and reaches beyond the frequencies of the loads.
 
@@ -78,8 +76,6 @@ def auto_reduction(
         As many load vectors as the ladder asks for, or as the loads have.
     target : Target
         Tolerance, damping and time step.
-    jacket_stiffness_factor : float
-        As given to :func:`owt_structure_node.core.assembly.assemble`.
 
     Returns
     -------
@@ -97,10 +93,8 @@ def auto_reduction(
     model = ErrorModel(
         assembly,
         basis,
-        alpha=target.alpha,
-        beta=target.beta,
+        damping=target.damping,
         dt=target.dt,
-        jacket_stiffness_factor=jacket_stiffness_factor,
     )
     highest_hz = basis.highest_frequency / target.dt
     ladder = candidates(assembly.internal, len(basis.vectors))
@@ -109,16 +103,14 @@ def auto_reduction(
     for name in ladder:
         if spectral_note(assembly, name, highest_hz, interior) is not None:
             continue
-        reduced = reduce(
-            assembly, name, basis, jacket_stiffness_factor=jacket_stiffness_factor, interior=interior
-        )
+        reduced = reduce(assembly, name, basis, interior=interior)
         error = model.energy_error(reduced)
         if best is None or error < best[1]:
             best = (reduced, error)
         if error <= tolerance:
             break
     if best is None:
-        best = (reduce(assembly, ladder[-1], basis, jacket_stiffness_factor=jacket_stiffness_factor), np.inf)
+        best = (reduce(assembly, ladder[-1], basis), np.inf)
     estimate = model.estimate(best[0])
     return Choice(best[0], estimate, _words(best[0].name, estimate, tolerance))
 
@@ -158,8 +150,6 @@ def chosen_reduction(
     reduction: str,
     basis: LoadBasis | None,
     target: Target | None,
-    *,
-    jacket_stiffness_factor: float = 1.0,
 ) -> tuple[Reduction, tuple[str, ...]]:
     """Reduce as named, or as ``auto`` chooses for the target; and what is to be noted.
 
@@ -168,19 +158,18 @@ def chosen_reduction(
     InputError, ComputationError
         As :func:`owt_structure_node.core.reduction.reduce`; also if ``auto`` has no loads or no target.
     """
-    factor = jacket_stiffness_factor
     if reduction == "auto":
         if basis is None or target is None:
             raise InputError(
                 "structure.reduction", reduction, "chooses a basis for given loads", "Give a load basis."
             )
-        choice = auto_reduction(assembly, basis, target, jacket_stiffness_factor=factor)
+        choice = auto_reduction(assembly, basis, target)
         return choice.reduced, (choice.note, *choice.reduced.notes)
     name = parse_reduction(reduction)
     if basis is None or target is None or name.fixed_interface_modes >= assembly.internal:
-        reduced = reduce(assembly, reduction, basis, jacket_stiffness_factor=factor)
+        reduced = reduce(assembly, reduction, basis)
         return reduced, reduced.notes
     interior = solve_interior(assembly, name.fixed_interface_modes + 1)
-    reduced = reduce(assembly, reduction, basis, jacket_stiffness_factor=factor, interior=interior)
+    reduced = reduce(assembly, reduction, basis, interior=interior)
     note = spectral_note(assembly, reduction, basis.highest_frequency / target.dt, interior)
     return reduced, reduced.notes if note is None else (*reduced.notes, note)

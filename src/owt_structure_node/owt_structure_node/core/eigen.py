@@ -11,22 +11,29 @@ from scipy.linalg import eigh
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
-from owt_model.config import Damping
 from owt_model.contracts import LoadBasis
 from owt_model.errors import ComputationError, InputError
 from owt_model.mesh import build_mesh
 from owt_model.structure import StaticState, Structure
+from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import Assembly, assemble, element_transformation
 from owt_structure_node.core.auto import Target, chosen_reduction
+from owt_structure_node.core.damping import damped_modes, dashpot_vectors, modal_damping
 from owt_structure_node.core.modes import dense_modes, factorise, lowest_modes
 from owt_structure_node.core.reduction import guyan, reduce
-from owt_structure_node.core.response import modal_damping
 from owt_structure_node.core.static import weights
 
 __all__ = ["eigen_report", "log_decrement"]
 
 #: Share of the stiffness that the weights must take in some motion for a buckling factor to mean anything.
 _RELIEF = 1e-9
+#: Modes beyond those asked for that dashpots couple to them.
+_MORE_MODES = 40
+#: What the report calls the modes with the transition piece held.
+FIXED_INTERFACE = "fixed interface"
+
+#: omega^2 in rad2/s2, shapes over the free degrees of freedom (those inside, interface held), and size.
+Solution = tuple[Float[np.ndarray, " mode"], Float[np.ndarray, "dof mode"], int]
 
 
 def log_decrement(damping_ratio: Float[np.ndarray, " mode"]) -> Float[np.ndarray, " mode"]:
@@ -44,7 +51,6 @@ def eigen_report(
     n_modes: int = 20,
     damping: Damping | None = None,
     basis: LoadBasis | None = None,
-    jacket_stiffness_factor: float = 1.0,
     static: bool = False,
     tolerance: float = 0.001,
     load_dt: float = 0.1,
@@ -62,11 +68,9 @@ def eigen_report(
     n_modes : int
         Number of frequencies in each list, fewer where there are fewer.
     damping : Damping, optional
-        Rayleigh coefficients; the thesis' reference where omitted.
+        Rayleigh coefficients, ratios of modes, tower-top dashpot; the thesis' reference where omitted.
     basis : LoadBasis, optional
         Load vectors of a reduction with MTA vectors.
-    jacket_stiffness_factor : float
-        Factor on the stiffness of the members (frequency model: 0.37).
     static : bool
         Count the geometric stiffness of the weights, and report what it does.
     tolerance : float
@@ -78,13 +82,13 @@ def eigen_report(
     -------
     dict
         ``model``, ``model_hash``, ``reduction``, ``degrees_of_freedom``, ``mass_kg`` (steel and lumped
-        bodies), ``masses_kg`` (by kind), ``frequencies_hz``, ``damping_ratio``, ``logdec_percent`` (None
-        where overdamped), ``fixed_interface_frequencies_hz``, ``guyan_stiffness``, ``guyan_mass`` (of the
-        jacket alone, 6 x 6, at the transition-piece node), ``not_supported`` (what an import left out),
-        ``notes`` (on the reduction), with a basis ``pov_share`` (share of the variance of the loads of each
-        vector), and with `static` ``static_state``: ``frequencies_hz`` and ``change_percent`` (without
-        geometric stiffness, and what it changes), ``buckling_factor`` (of all weights; None where nothing
-        buckles), ``weight_n`` (less buoyancy).
+        bodies), ``masses_kg`` (by kind), ``frequencies_hz``, ``damped_frequencies_hz``, ``damping_ratio``,
+        ``logdec_percent`` (None where overdamped), ``fixed_interface_frequencies_hz``, ``guyan_stiffness``,
+        ``guyan_mass`` (of the jacket alone, 6 x 6, at the transition-piece node), ``not_supported`` (what
+        an import left out), ``notes`` (on the reduction), with a basis ``pov_share`` (share of the variance
+        of the loads of each vector), and with `static` ``static_state``: ``frequencies_hz`` and
+        ``change_percent`` (without geometric stiffness, and what it changes), ``buckling_factor`` (of all
+        weights; None where nothing buckles), ``weight_n`` (less buoyancy).
 
     Raises
     ------
@@ -100,43 +104,39 @@ def eigen_report(
         structure = structure.model_copy(update={"static_state": StaticState()})
     assembly = assemble(
         build_mesh(structure),
-        jacket_stiffness_factor=jacket_stiffness_factor,
         interface_held=fixed_interface and structure.free,
     )
-    held = _fixed_interface(assembly, n_modes)
+    held = _lowest(assembly, FIXED_INTERFACE, None, n_modes)
 
-    def lowest(of: Assembly) -> tuple[Float[np.ndarray, " mode"], int]:
-        if fixed_interface:
-            return (held if of is assembly else _fixed_interface(of, n_modes)), of.internal
-        if name == "full":
-            size = of.mesh.n_dof
-            return lowest_modes(of.stiffness, of.mass, min(n_modes, size))[0], size
-        reduced = reduce(of, name, basis, jacket_stiffness_factor=jacket_stiffness_factor)
-        return dense_modes(reduced.stiffness, reduced.mass)[0][:n_modes], len(reduced.mass)
+    def lowest(of: Assembly) -> Solution:
+        return _lowest(of, name, basis, n_modes)
 
     static_model = guyan(assembly)
     name = reduction or "full"
     notes: tuple[str, ...] = ()
     if name != "full" and not fixed_interface:
-        target = Target(tolerance, damping.alpha, damping.beta, load_dt)
-        chosen, notes = chosen_reduction(
-            assembly, name, basis, target, jacket_stiffness_factor=jacket_stiffness_factor
-        )
+        target = Target(tolerance, damping, load_dt)
+        chosen, notes = chosen_reduction(assembly, name, basis, target)
         name = chosen.name
-    omega2, size = lowest(assembly)
-    _, zeta = modal_damping(omega2, damping.alpha, damping.beta)
-    decrement = 100.0 * log_decrement(zeta)
+    if fixed_interface:
+        name = FIXED_INTERFACE
+    omega2, shapes, size = held if fixed_interface else lowest(assembly)
+    dashpots = (assembly.expansion.T @ dashpot_vectors(assembly.mesh, damping).T).T
+    decay = damped_modes(omega2, modal_damping(omega2, damping, dashpots[:, : len(shapes)] @ shapes))
+    decrement = 100.0 * log_decrement(decay.ratio[:n_modes])
+    omega2 = omega2[:n_modes]
     report: dict[str, Any] = {
         "model": structure.name,
         "model_hash": structure.content_hash,
-        "reduction": "fixed interface" if fixed_interface else name,
+        "reduction": name,
         "degrees_of_freedom": size,
         "mass_kg": assembly.structural_mass_kg,
         "masses_kg": dict(assembly.mass_kg),
         "frequencies_hz": _hertz(omega2),
-        "damping_ratio": zeta.tolist(),
+        "damped_frequencies_hz": decay.frequency_hz[:n_modes].tolist(),
+        "damping_ratio": decay.ratio[:n_modes].tolist(),
         "logdec_percent": [value if np.isfinite(value) else None for value in decrement.tolist()],
-        "fixed_interface_frequencies_hz": _hertz(held),
+        "fixed_interface_frequencies_hz": _hertz(held[0][:n_modes]),
         "guyan_stiffness": static_model.stiffness.tolist(),
         "guyan_mass": static_model.mass.tolist(),
         "not_supported": list(structure.notes),
@@ -145,23 +145,21 @@ def eigen_report(
     if basis is not None:
         report["pov_share"] = (basis.singular_values**2 / max(basis.total_variance, 1e-300)).tolist()
     if static:
-        report["static_state"] = _static_effect(assembly, jacket_stiffness_factor, omega2, lowest)
+        report["static_state"] = _static_effect(assembly, omega2, lowest)
     return report
 
 
 def _static_effect(
     assembly: Assembly,
-    jacket_stiffness_factor: float,
     omega2: Float[np.ndarray, " mode"],
-    lowest: Callable[[Assembly], tuple[Float[np.ndarray, " mode"], int]],
+    lowest: Callable[[Assembly], Solution],
 ) -> dict[str, Any]:
     """What the weights do to the frequencies, and how far they are from buckling the structure."""
     structure = assembly.mesh.structure
     elastic = assemble(
         build_mesh(structure.model_copy(update={"static_state": None})),
-        jacket_stiffness_factor=jacket_stiffness_factor,
     )
-    without = lowest(elastic)[0]
+    without = lowest(elastic)[0][: len(omega2)]
     state = structure.static_state
     assert state is not None  # --static gave it one
     return {
@@ -194,11 +192,19 @@ def _buckling_factor(elastic: csc_array, loaded: csc_array) -> float | None:
     return 1.0 / share if share > _RELIEF else None
 
 
-def _fixed_interface(assembly: Assembly, n_modes: int) -> Float[np.ndarray, " mode"]:
-    n = assembly.internal
-    k_ii = csc_array(assembly.jacket_stiffness[:n, :n])
-    m_ii = csc_array(assembly.jacket_mass[:n, :n])
-    return lowest_modes(k_ii, m_ii, min(n_modes, n))[0]
+def _lowest(of: Assembly, reduction: str, basis: LoadBasis | None, n_modes: int) -> Solution:
+    """Lowest modes: more than `n_modes` where there are, since dashpots couple them."""
+    wanted = n_modes + _MORE_MODES
+    if reduction == FIXED_INTERFACE:
+        n = of.internal
+        k_ii, m_ii = csc_array(of.jacket_stiffness[:n, :n]), csc_array(of.jacket_mass[:n, :n])
+        return *lowest_modes(k_ii, m_ii, min(wanted, n)), n
+    if reduction == "full":
+        size = of.mesh.n_dof
+        return *lowest_modes(of.stiffness, of.mass, min(wanted, size)), size
+    reduced = reduce(of, reduction, basis)
+    omega2, modes = dense_modes(reduced.stiffness, reduced.mass)
+    return omega2, reduced.shapes @ modes, len(reduced.mass)
 
 
 def _hertz(omega_squared: Float[np.ndarray, " mode"]) -> list[float]:

@@ -19,7 +19,9 @@ from scipy.linalg import solve
 from scipy.sparse import csc_array
 
 from owt_model.contracts import LoadBasis
+from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import Assembly
+from owt_structure_node.core.damping import dashpot_vectors, modal_damping
 from owt_structure_node.core.modes import dense_modes, lowest_modes
 from owt_structure_node.core.recovery import end_force_map, end_sections
 from owt_structure_node.core.reduction import Reduction, guyan, interface_loads, load_vectors
@@ -69,12 +71,10 @@ class ErrorModel:
         The unreduced structure.
     basis : LoadBasis
         Shapes, variances and spectra of the loads.
-    alpha, beta : float
-        Rayleigh coefficients.
+    damping : Damping
+        Of the structure.
     dt : float
         Time step of the loads in s.
-    jacket_stiffness_factor : float
-        As given to :func:`owt_structure_node.core.assembly.assemble`.
 
     Raises
     ------
@@ -87,13 +87,11 @@ class ErrorModel:
         assembly: Assembly,
         basis: LoadBasis,
         *,
-        alpha: float,
-        beta: float,
+        damping: Damping,
         dt: float,
-        jacket_stiffness_factor: float = 1.0,
     ) -> None:
         n = assembly.internal
-        self.assembly, self.factor = assembly, jacket_stiffness_factor
+        self.assembly = assembly
         self.stiffness = csc_array(assembly.jacket_stiffness[:n, :n])
         self.mass = csc_array(assembly.jacket_mass[:n, :n])
         self.guyan = guyan(assembly)
@@ -112,7 +110,8 @@ class ErrorModel:
         self.end_name = assembly.mesh.end_name
         self._moments(basis, dt)
         self._energies(basis, loads)
-        self.alpha, self.beta = alpha, beta
+        known = tuple(mode for mode in damping.modes or () if mode[0] <= LOW_MODES)
+        self.damping = damping.model_copy(update={"modes": known})
         self._low_modes(loads)
         self._reference_stress()
 
@@ -151,6 +150,8 @@ class ErrorModel:
         assembly, n = self.assembly, self.assembly.internal
         count = min(LOW_MODES, assembly.mesh.n_dof)
         self.low_square, shapes = lowest_modes(assembly.stiffness, assembly.mass, count)
+        dashpots = dashpot_vectors(assembly.mesh, self.damping)
+        self.dashpots = np.asarray((assembly.expansion.T @ dashpots.T).T)
         self.loads, self.low_boundary = loads[:, :-1], shapes[n : n + 6]
         motion = self._amplitude(self.low_square, shapes, 0)
         self.low_swing = self._amplitude(self.low_square, shapes, 4).sum(axis=1)
@@ -169,11 +170,16 @@ class ErrorModel:
         if not len(self.omega):
             return np.asarray(0.0 * force)
         found = np.zeros_like(force)
-        for i, own in enumerate(square):
-            rate = self.alpha + self.beta * own
+        for i, (own, rate) in enumerate(zip(square, self._rate(square, shapes), strict=True)):
             response = self.omega**power / ((own - self.omega**2) ** 2 + (rate * self.omega) ** 2)
             found[i] = force[i] * (self.spectrum @ response.reshape(-1, PER_BAND).mean(axis=1))
         return np.asarray(found)
+
+    def _rate(
+        self, square: Float[np.ndarray, " mode"], shapes: Float[np.ndarray, "dof mode"]
+    ) -> Float[np.ndarray, " mode"]:
+        """2 zeta omega of low modes in 1/s; of dashpots what they do to each mode alone."""
+        return modal_damping(square, self.damping, self.dashpots @ shapes).diagonal
 
     def _square(self, inside: Float[np.ndarray, "internal case"]) -> Float[np.ndarray, "case end"]:
         """Squares of :meth:`_stress` summed, of motion inside the jacket, interface held."""
@@ -184,7 +190,7 @@ class ErrorModel:
     def _stress(self, shapes: Float[np.ndarray, "dof case"]) -> Float[np.ndarray, "case end 3"]:
         """Normal stress in Pa by normal force and by both moments at the member ends, from K_e u_e."""
         ends = end_sections(self.assembly.mesh)
-        force = end_force_map(self.assembly, shapes, jacket_stiffness_factor=self.factor)
+        force = end_force_map(self.assembly, shapes)
         return np.asarray(force[:, :, [0, 4, 5]] * ends.factor[:, [0, 1, 1]])
 
     def _reference_stress(self) -> None:
@@ -248,7 +254,7 @@ class ErrorModel:
         square, shapes = square[: len(self.low_square)], reduced.shapes @ modes[:, : len(self.low_square)]
         smooth = np.abs(square @ self._amplitude(square, shapes, 0) - self.low_energy).sum()
         full = self.low_square[: len(square)]
-        ratio = (self.alpha + self.beta * full) / (2.0 * np.sqrt(full))
+        ratio = self._rate(full, self.low_shapes[:, : len(full)]) / (2.0 * np.sqrt(full))
         moved = np.minimum(np.abs(np.sqrt(square / full) - 1.0) / ratio, 1.0)
         return 0.5 * float(smooth) + float(full @ (self.low_gain[: len(full)] * moved))
 

@@ -1,9 +1,11 @@
-"""Motion of the decoupled equations (thesis appendix F): oscillators, their state, the driver over blocks.
+"""Motion of the modal equations (thesis appendix F): oscillators, their state, the driver over blocks.
 
 Rayleigh damping is proportional, so that the assembled reduced model splits exactly into single oscillators;
 a method on the coupled system and on each mode gives the same numbers, and a scalar recurrence
-(:mod:`~owt_structure_node.core.integrators`) replaces the matrix solve. Hydrodynamic damping is not
-proportional: only its diagonal in the modes is kept (:func:`~owt_structure_node.core.response.drag_rate`).
+(:mod:`~owt_structure_node.core.integrators`) replaces the matrix solve. Dashpots couple the oscillators in a
+few directions (:mod:`~owt_structure_node.core.damping`): their force at the end of a step comes from one
+small system, factorised once, whatever the method. The exact recurrence is exact but for that force, which is
+linear in a step there.
 """
 
 from __future__ import annotations
@@ -23,20 +25,22 @@ __all__ = ["Motion", "MotionState", "Oscillators", "integrate", "static_state"]
 
 @dataclass(frozen=True)
 class Oscillators:
-    """Uncoupled oscillators of unit modal mass.
+    """Oscillators of unit modal mass: x'' + (diag(damping) + G G') x' + diag(stiffness) x = f.
 
     Attributes
     ----------
     stiffness : float array [mode]
         Squares of the undamped angular frequencies in rad2/s2.
     damping : float array [mode]
-        2 zeta omega = alpha + beta omega^2 in 1/s.
+        2 zeta omega in 1/s.
     step : float
         Integration step in s.
     substeps : int
         Integration steps per load step.
     method : str
         Name of the integrator, one of :data:`~owt_structure_node.core.integrators.METHODS`.
+    coupling : float array [mode, direction], optional
+        G of the dashpots in s^-1/2, where dashpots couple the oscillators.
     """
 
     stiffness: Float[np.ndarray, " mode"]
@@ -44,6 +48,7 @@ class Oscillators:
     step: float
     substeps: int
     method: str = "newmark"
+    coupling: Float[np.ndarray, "mode direction"] | None = None
 
     def __post_init__(self) -> None:
         if not (self.step > 0.0 and self.substeps >= 1):
@@ -56,6 +61,19 @@ class Oscillators:
         """What the method does in one step."""
         return recurrence(self.method, self.stiffness, self.damping, self.step)
 
+    @cached_property
+    def directions(self) -> Float[np.ndarray, "mode direction"]:
+        """G, without columns where nothing couples the oscillators."""
+        if self.coupling is None:
+            return np.zeros((len(self.stiffness), 0))
+        return np.ascontiguousarray(self.coupling)
+
+    @cached_property
+    def feedback(self) -> Float[np.ndarray, "direction direction"]:
+        """Inverse of I + G' diag(q) G, q the velocity that a unit load at the end of a step causes there."""
+        g = self.directions
+        return np.linalg.inv(np.eye(g.shape[1]) + g.T @ (self.recurrence.new[1][:, None] * g))
+
 
 @dataclass(frozen=True)
 class MotionState:
@@ -66,12 +84,15 @@ class MotionState:
     displacement, velocity, acceleration : float arrays [mode]
     load : float array [mode]
         Modal load at that time.
+    dashpot : float array [mode], optional
+        Modal force of the dashpots then; from the velocity where left out.
     """
 
     displacement: Float[np.ndarray, " mode"]
     velocity: Float[np.ndarray, " mode"]
     acceleration: Float[np.ndarray, " mode"]
     load: Float[np.ndarray, " mode"]
+    dashpot: Float[np.ndarray, " mode"] | None = None
 
 
 @dataclass(frozen=True)
@@ -113,7 +134,13 @@ def integrate(
     rows = 1 + system.substeps * len(load)
     x, v, a = (np.empty((rows, load.shape[1])) for _ in range(3))
     x[0], v[0], a[0] = state.displacement, state.velocity, state.acceleration
-    rule = system.recurrence
-    advance(rule.transition, rule.old, rule.new, system.substeps, samples, x, v, a)
-    last = MotionState(x[-1].copy(), v[-1].copy(), a[-1].copy(), samples[-1].copy())
+    rule, g = system.recurrence, system.directions
+    carried = g @ (g.T @ state.velocity) if state.dashpot is None else state.dashpot
+    force = carried.copy()
+    by_direction = np.ascontiguousarray(g.T)
+    advance(
+        rule.transition, rule.old, rule.new, system.substeps, samples,
+        g, by_direction, system.feedback, force, x, v, a,
+    )  # fmt: skip
+    last = MotionState(x[-1].copy(), v[-1].copy(), a[-1].copy(), samples[-1].copy(), force)
     return last, Motion(x[1:], v[1:], a[1:])

@@ -82,7 +82,7 @@ def end_sections(mesh: Mesh) -> EndSections:
 
 
 def end_force_map(
-    assembly: Assembly, shapes: Float[np.ndarray, "dof function"], *, jacket_stiffness_factor: float = 1.0
+    assembly: Assembly, shapes: Float[np.ndarray, "dof function"]
 ) -> Float[np.ndarray, "function end 6"]:
     """Linear map from the amplitudes of shape functions to K_e u_e at the member ends [eq. 4.69].
 
@@ -92,8 +92,6 @@ def end_force_map(
         The unreduced structure.
     shapes : float array [dof, function]
         Mode shapes or basis functions over the free degrees of freedom.
-    jacket_stiffness_factor : float
-        As given to :func:`owt_structure_node.core.assembly.assemble`.
 
     Returns
     -------
@@ -103,7 +101,7 @@ def end_force_map(
     mesh = assembly.mesh
     ends = end_sections(mesh)
     rows = 6 * ends.side[:, None] + np.arange(6)
-    local = element_stiffness(mesh)[ends.element] * jacket_stiffness_factor
+    local = element_stiffness(mesh)[ends.element]
     half = np.take_along_axis(local, rows[:, :, None], axis=1) @ element_transformation(mesh)[ends.element]
     motion = (assembly.expansion @ shapes).reshape(mesh.n_nodes, 6, -1)
     of_element = motion[mesh.element_node[ends.element]].reshape(len(rows), 12, -1)

@@ -135,7 +135,6 @@ def reduce(
     reduction: str,
     basis: LoadBasis | None = None,
     *,
-    jacket_stiffness_factor: float = 1.0,
     interior: Interior | None = None,
 ) -> Reduction:
     """Build the basis of a reduced model and project onto it [eq. 3.55-3.57].
@@ -150,8 +149,6 @@ def reduce(
         As :mod:`owt_model.reduction_name` lists; ``full`` and ``auto`` have no basis and are refused here.
     basis : LoadBasis, optional
         Load vectors for the augmentation.
-    jacket_stiffness_factor : float
-        As given to :func:`owt_structure_node.core.assembly.assemble`.
     interior : Interior, optional
         Of this structure, with at least as many modes, where it is known.
 
@@ -195,7 +192,7 @@ def reduce(
     improvement = None
     if name.static_improvement:
         kept = shapes[:n_i, 6:n_q] / np.sqrt(np.concatenate([omega2, sigma2]))
-        improvement = StaticImprovement(assembly, static.factor, kept, jacket_stiffness_factor)
+        improvement = StaticImprovement(assembly, static.factor, kept)
     return Reduction(
         name=reduction,
         shapes=shapes,

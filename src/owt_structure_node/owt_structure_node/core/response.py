@@ -8,14 +8,22 @@ import numpy as np
 from jaxtyping import Float
 
 from owt_model.contracts import LoadBasis, ReducedDescription
-from owt_model.errors import InputError
 from owt_model.mesh import Mesh
+from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import DOF_NAME, Assembly, assemble
 from owt_structure_node.core.auto import Target, chosen_reduction
+from owt_structure_node.core.damping import (
+    ModalDamping,
+    damped_modes,
+    dashpot_vectors,
+    drag_vectors,
+    modal_damping,
+)
+from owt_structure_node.core.energies import SUBSTRUCTURES
 from owt_structure_node.core.modes import dense_modes
 from owt_structure_node.core.sim import StaticImprovement
 
-__all__ = ["MAX_REPORTED_MODES", "ModalModel", "build_modal_model", "describe", "drag_rate", "modal_damping"]
+__all__ = ["MAX_REPORTED_MODES", "ModalModel", "build_modal_model", "describe", "model_damping"]
 
 #: Modes whose frequencies and energies are reported one by one; totals are over all modes.
 MAX_REPORTED_MODES = 256
@@ -79,8 +87,6 @@ def build_modal_model(
     reduction: str,
     basis: LoadBasis | None = None,
     target: Target | None = None,
-    *,
-    jacket_stiffness_factor: float = 1.0,
 ) -> ModalModel:
     """Assemble, reduce and decouple.
 
@@ -98,24 +104,20 @@ def build_modal_model(
         Load vectors for the augmentation.
     target : Target, optional
         What ``auto`` chooses for; other reductions are held against its time step.
-    jacket_stiffness_factor : float
-        Factor on the stiffness of the members.
 
     Raises
     ------
     InputError, ComputationError
         As :func:`owt_structure_node.core.auto.chosen_reduction` and the eigenvalue solution.
     """
-    assembly = assemble(mesh, jacket_stiffness_factor=jacket_stiffness_factor)
+    assembly = assemble(mesh)
     if reduction == "full":
         omega2, shapes = dense_modes(assembly.stiffness.toarray(), assembly.mass.toarray())
         nodes = [mesh.transition_piece, *mesh.tower_node]
         names = [f"{mesh.node_name[node]}.{direction}" for node in nodes for direction in DOF_NAME]
         coordinate = np.ascontiguousarray(shapes[mesh.node_dof[nodes].reshape(-1)].T)
         return ModalModel(assembly, reduction, omega2, shapes, None, coordinate, tuple(names))
-    reduced, notes = chosen_reduction(
-        assembly, reduction, basis, target, jacket_stiffness_factor=jacket_stiffness_factor
-    )
+    reduced, notes = chosen_reduction(assembly, reduction, basis, target)
     omega2, modes = dense_modes(reduced.stiffness, reduced.mass)
     amplitude = np.ascontiguousarray(modes.T)
     return ModalModel(
@@ -131,59 +133,55 @@ def build_modal_model(
     )
 
 
-def modal_damping(
-    omega_squared: Float[np.ndarray, " mode"], alpha: float, beta: float
-) -> tuple[Float[np.ndarray, " mode"], Float[np.ndarray, " mode"]]:
-    """Rayleigh damping of each mode: 2 zeta omega = alpha + beta omega^2 in 1/s, and the ratio zeta."""
-    rate = alpha + beta * omega_squared
-    return rate, np.asarray(rate / (2.0 * np.sqrt(omega_squared)))
+def model_damping(
+    model: ModalModel,
+    damping: Damping,
+    basis: LoadBasis | None = None,
+    tower_top: Float[np.ndarray, "direction 6"] | None = None,
+) -> ModalDamping:
+    """Damping of the model's modes: Rayleigh, single modes, dashpots, and drag on the structure's own motion.
 
-
-def drag_rate(model: ModalModel, basis: LoadBasis | None) -> Float[np.ndarray, " mode"]:
-    """What the drag on the structure's own motion adds to 2 zeta omega of each mode, in 1/s.
-
-    The diagonal of Phi' C Phi, C the damping of the load basis: what couples modes is neglected, small as it
-    is against the distance of their frequencies for light damping. Zero without such damping.
+    Parameters
+    ----------
+    model : ModalModel
+        Modes of the assembled model.
+    damping : Damping
+        What the case says.
+    basis : LoadBasis, optional
+        With the damping of the nodes by drag, where the case counts it.
+    tower_top : float array [direction, 6], optional
+        Further dashpots at the tower top, as roots of their coefficients.
 
     Raises
     ------
     InputError
-        If the damping does not fit the nodes of the basis or of the mesh.
+        As :func:`~owt_structure_node.core.damping.modal_damping` and
+        :func:`~owt_structure_node.core.damping.drag_vectors`.
     """
-    if basis is None or not len(basis.damping):
-        return np.zeros(len(model.omega_squared))
-    n_nodes = model.assembly.mesh.n_nodes
-    if len(basis.damping) != len(basis.node) or basis.node.max() >= n_nodes:
-        raise InputError(
-            "load_basis.damping",
-            len(basis.damping),
-            f"must be one matrix for each of {len(basis.node)} nodes of the mesh",
-            "Give the damping of the loaded nodes.",
-        )
-    motion = model.node_basis[basis.node, :3]
-    if model.amplitude is not None:
-        motion = motion @ model.amplitude.T
-    return np.asarray(np.einsum("nam,nab,nbm->m", motion, basis.damping, motion, optimize=True))
+    mesh = model.assembly.mesh
+    vectors = np.vstack([dashpot_vectors(mesh, damping, tower_top), drag_vectors(mesh, basis)])
+    if not len(vectors):
+        return modal_damping(model.omega_squared, damping)
+    motion = model.node_basis.reshape(6 * mesh.n_nodes, -1)
+    of_functions = vectors @ motion
+    modes = of_functions if model.amplitude is None else of_functions @ model.amplitude.T
+    return modal_damping(model.omega_squared, damping, modes)
 
 
-def describe(
-    model: ModalModel, alpha: float, beta: float, drag: Float[np.ndarray, " mode"] | float = 0.0
-) -> ReducedDescription:
-    """Names, frequencies and damping ratios, of the lowest modes where there are very many.
-
-    `drag` is what :func:`drag_rate` gives.
-    """
+def describe(model: ModalModel, damping: ModalDamping, notes: tuple[str, ...] = ()) -> ReducedDescription:
+    """Names, frequencies and damping ratios, of the lowest modes where there are very many; notes of both."""
     mesh, lowest = model.assembly.mesh, slice(0, MAX_REPORTED_MODES)
     top = f"{mesh.node_name[mesh.tower_top]}.{DOF_NAME[0]}"
-    _, ratio = modal_damping(model.omega_squared, alpha, beta)
+    decay = damped_modes(model.omega_squared[lowest], damping.lowest(MAX_REPORTED_MODES))
     return ReducedDescription(
         model_name=mesh.structure.name,
         model_hash=mesh.structure.content_hash,
         reduction=model.reduction,
         coordinate_name=model.coordinate_name,
         frequency_hz=model.frequency_hz[lowest],
-        damping_ratio=(ratio + drag / (2.0 * np.sqrt(model.omega_squared)))[lowest],
+        damping_ratio=decay.ratio,
         end_name=mesh.end_name,
         tower_top_coordinate=model.coordinate_name.index(top),
-        notes=model.notes,
+        notes=(*model.notes, *notes),
+        substructure_name=SUBSTRUCTURES,
     )

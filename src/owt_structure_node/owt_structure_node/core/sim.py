@@ -70,14 +70,11 @@ class StaticImprovement:
         Of K_ii.
     functions : float array [internal, function]
         What the basis keeps inside, each divided by its own sqrt(function' K function).
-    jacket_stiffness_factor : float
-        As given to :func:`owt_structure_node.core.assembly.assemble`.
     """
 
     assembly: Assembly
     factor: Factor
     functions: Float[np.ndarray, "internal function"]
-    jacket_stiffness_factor: float = 1.0
 
     def residual(self, load: Float[np.ndarray, "internal case"]) -> Float[np.ndarray, "internal case"]:
         """Static displacement inside the jacket, interface held, less what the basis gives."""
@@ -92,7 +89,7 @@ class StaticImprovement:
         compliance = to_dof.T @ inside
         shapes = np.zeros((assembly.mesh.n_dof, len(rows)))
         shapes[: assembly.internal] = inside
-        force = end_force_map(assembly, shapes, jacket_stiffness_factor=self.jacket_stiffness_factor)
+        force = end_force_map(assembly, shapes)
         return ImprovementMap(
             compliance=0.5 * (compliance + compliance.T), end_force=force.reshape(len(rows), -1)
         )

@@ -1,0 +1,237 @@
+"""Damping of the assembled model in its modes: Rayleigh, single modes, dashpots, drag.
+
+In mass-normalised modes, diagonal in all but a few directions:
+
+    C = diag(2 zeta omega) + G G'
+
+Rayleigh damping and the ratios given to single modes make the diagonal. Dashpots couple the modes: each of
+their directions gives one column of G, the root of its coefficient times the motion of its place in every
+mode; so does the drag on the structure's own motion. A dashpot at the tower top has one to six columns where
+C would have as many as there are modes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import LinAlgError, eig
+from scipy.optimize import linear_sum_assignment
+
+from owt_model.contracts import LoadBasis
+from owt_model.errors import ComputationError, InputError
+from owt_model.mesh import Mesh
+from owt_model.structure import TOWER_TOP
+from owt_model.structure_config import Damping
+from owt_structure_node.core.expansion import lever
+
+__all__ = [
+    "DampedModes",
+    "ModalDamping",
+    "damped_modes",
+    "dashpot_vectors",
+    "drag_vectors",
+    "modal_damping",
+]
+
+#: Share of the largest eigenvalue of G G' below which a direction is round-off.
+_NEGLIGIBLE = 1e-14
+
+
+@dataclass(frozen=True)
+class ModalDamping:
+    """C = diag(rate) + coupling coupling' in mass-normalised modes.
+
+    Attributes
+    ----------
+    rate : float array [mode]
+        2 zeta omega in 1/s.
+    coupling : float array [mode, direction]
+        G in s^-1/2; no columns where nothing couples the modes.
+    """
+
+    rate: Float[np.ndarray, " mode"]
+    coupling: Float[np.ndarray, "mode direction"]
+
+    @property
+    def diagonal(self) -> Float[np.ndarray, " mode"]:
+        """Diagonal of C in 1/s: what is left of it where coupling is neglected."""
+        return np.asarray(self.rate + (self.coupling**2).sum(axis=1))
+
+    def lowest(self, count: int) -> ModalDamping:
+        """Return the damping of the first `count` modes, the others left out."""
+        return ModalDamping(self.rate[:count], self.coupling[:count])
+
+
+@dataclass(frozen=True)
+class DampedModes:
+    """Free decay of each mode, in the order of the undamped modes.
+
+    Attributes
+    ----------
+    frequency_hz : float array [mode]
+        Of the damped oscillation; 0 where nothing oscillates.
+    ratio : float array [mode]
+        Damping ratio -Re(lambda) / |lambda|; of overdamped modes that of the diagonal, 1 or more.
+    """
+
+    frequency_hz: Float[np.ndarray, " mode"]
+    ratio: Float[np.ndarray, " mode"]
+
+
+def modal_damping(
+    omega_squared: Float[np.ndarray, " mode"],
+    damping: Damping,
+    dashpots: Float[np.ndarray, "direction mode"] | None = None,
+) -> ModalDamping:
+    """Damping of modes by Rayleigh coefficients, ratios of single modes, and dashpots.
+
+    Parameters
+    ----------
+    omega_squared : float array [mode]
+        Squares of the undamped angular frequencies in rad2/s2.
+    damping : Damping
+        Coefficients and ratios; a ratio replaces what Rayleigh gives its mode, dashpots come on top.
+    dashpots : float array [direction, mode], optional
+        Vectors of :func:`dashpot_vectors` and :func:`drag_vectors` times the motion of the nodes in each
+        mass-normalised mode.
+
+    Raises
+    ------
+    InputError
+        If a ratio is given to a mode that there is not.
+    """
+    alpha, beta = damping.rayleigh
+    rate = alpha + beta * omega_squared
+    for mode, ratio in damping.mode_ratio.items():
+        if mode >= len(rate):
+            raise InputError(
+                "structure.damping.modes",
+                mode + 1,
+                f"is not one of {len(rate)} modes",
+                "Count modes from 1, the lowest.",
+            )
+        rate[mode] = 2.0 * ratio * np.sqrt(omega_squared[mode])
+    none = np.zeros((len(rate), 0))
+    return ModalDamping(rate, none if dashpots is None or not len(dashpots) else _compressed(dashpots.T))
+
+
+def _compressed(coupling: Float[np.ndarray, "mode direction"]) -> Float[np.ndarray, "mode kept"]:
+    """G of the same G G' with the fewest columns: drag has three directions at every node."""
+    if coupling.shape[1] <= 6:
+        return np.ascontiguousarray(coupling)
+    left, sigma, _ = np.linalg.svd(coupling, full_matrices=False)
+    kept = sigma**2 > _NEGLIGIBLE * sigma[0] ** 2
+    return np.ascontiguousarray(left[:, kept] * sigma[kept])
+
+
+def _roots(matrix: Float[np.ndarray, "size size"]) -> Float[np.ndarray, "direction size"]:
+    """Vectors g of a positive semi-definite matrix sum g g'."""
+    value, vector = np.linalg.eigh(matrix)
+    kept = value > _NEGLIGIBLE * max(float(value[-1]), 0.0)
+    return np.asarray((vector[:, kept] * np.sqrt(value[kept])).T)
+
+
+def dashpot_vectors(
+    mesh: Mesh,
+    damping: Damping,
+    tower_top: Float[np.ndarray, "direction 6"] | None = None,
+) -> Float[np.ndarray, "direction motion"]:
+    """Vectors g [direction, 6 node] of the dashpots of structure and case: the damping matrix is sum g g'.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        With the dashpots of its structure.
+    damping : Damping
+        With the dashpot at the tower top.
+    tower_top : float array [direction, 6], optional
+        Further ones there, such as the aerodynamic damping of the rotor.
+    """
+    rows: list[Float[np.ndarray, " motion"]] = []
+    index = {name: i for i, name in enumerate(mesh.node_name)} | {TOWER_TOP: mesh.tower_top}
+
+    def add(place: int, other: int | None, directions: Float[np.ndarray, "direction 6"]) -> None:
+        for g in directions:
+            row = np.zeros((mesh.n_nodes, 6))
+            row[place] = g
+            if other is not None:  # the other end, carried rigidly to this one
+                row[other] -= lever(mesh.node_position[place] - mesh.node_position[other]).T @ g
+            rows.append(row.reshape(-1))
+
+    for dashpot in mesh.structure.dashpots.values():
+        *others, place = (index[joint] for joint in dashpot.joints)
+        add(place, others[0] if others else None, _roots(np.array(dashpot.matrix)))
+    if damping.tower_top is not None:
+        add(mesh.tower_top, None, _roots(np.diag(damping.tower_top)))
+    if tower_top is not None:
+        add(mesh.tower_top, None, tower_top)
+    return np.array(rows).reshape(len(rows), 6 * mesh.n_nodes)
+
+
+def drag_vectors(mesh: Mesh, basis: LoadBasis | None) -> Float[np.ndarray, "direction motion"]:
+    """Vectors g [direction, 6 node] of the drag on the structure's own motion.
+
+    Raises
+    ------
+    InputError
+        If the damping does not fit the nodes of the basis or of the mesh.
+    """
+    if basis is None or not len(basis.damping):
+        return np.zeros((0, 6 * mesh.n_nodes))
+    if len(basis.damping) != len(basis.node) or basis.node.max() >= mesh.n_nodes:
+        raise InputError(
+            "load_basis.damping",
+            len(basis.damping),
+            f"must be one matrix for each of {len(basis.node)} nodes of the mesh",
+            "Give the damping of the loaded nodes.",
+        )
+    value, vector = np.linalg.eigh(basis.damping)
+    root = vector * np.sqrt(np.maximum(value, 0.0))[:, None, :]
+    rows = np.zeros((len(basis.node), 3, mesh.n_nodes, 6))
+    rows[np.arange(len(basis.node)), :, basis.node, :3] = root.transpose(0, 2, 1)
+    return np.ascontiguousarray(rows.reshape(-1, 6 * mesh.n_nodes)[value.reshape(-1) > 0.0])
+
+
+def damped_modes(omega_squared: Float[np.ndarray, " mode"], damping: ModalDamping) -> DampedModes:
+    """Frequency and ratio of each mode's free decay: eigenvalues of the damped system.
+
+    Where dashpots couple the modes, each complex mode is named after the undamped one that it is mostly made
+    of.
+
+    Raises
+    ------
+    ComputationError
+        If the eigenvalue problem fails.
+    """
+    omega = np.sqrt(omega_squared)
+    ratio = damping.diagonal / (2.0 * omega)
+    if damping.coupling.shape[1]:
+        try:
+            value, vector = eig(_state_matrix(omega_squared, damping))
+        except LinAlgError as error:
+            raise ComputationError(f"the damped eigenvalue problem failed ({error})") from None
+        # One of each pair; displacements on the scale of velocities, so that none outweighs the other.
+        swings = value.imag > 1e-9 * np.abs(value)
+        share = np.abs(vector[: len(omega), swings] * omega[:, None]) ** 2
+        share += np.abs(vector[len(omega) :, swings]) ** 2
+        mode, pair = linear_sum_assignment(share / share.sum(axis=0), maximize=True)
+        found = value[swings][pair]
+        ratio = np.maximum(ratio, 1.0)  # what finds no pair does not oscillate
+        ratio[mode], frequency = -found.real / np.abs(found), np.zeros(len(omega))
+        frequency[mode] = found.imag / (2.0 * np.pi)
+        return DampedModes(frequency, ratio)
+    return DampedModes(omega * np.sqrt(np.maximum(1.0 - ratio**2, 0.0)) / (2.0 * np.pi), ratio)
+
+
+def _state_matrix(
+    omega_squared: Float[np.ndarray, " mode"], damping: ModalDamping
+) -> Float[np.ndarray, "state state"]:
+    """Matrix of (x, v)' for free vibration in the modes."""
+    n = len(omega_squared)
+    matrix = np.zeros((2 * n, 2 * n))
+    matrix[:n, n:] = np.eye(n)
+    matrix[n:, :n] = -np.diag(omega_squared)
+    matrix[n:, n:] = -np.diag(damping.rate) - damping.coupling @ damping.coupling.T
+    return matrix

@@ -1,0 +1,137 @@
+"""What does not change over the time of a case: the decoupled structure and its maps to results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from owt_model.config import CaseConfig
+from owt_model.contracts import LoadBasis, ReducedDescription
+from owt_model.mesh import Mesh
+from owt_model.reduction_name import parse_reduction
+from owt_structure_node.core.auto import Target
+from owt_structure_node.core.energies import UpperPart, upper_part
+from owt_structure_node.core.motion import Oscillators
+from owt_structure_node.core.recovery import EndSections, end_force_map, end_sections
+from owt_structure_node.core.response import build_modal_model, describe, model_damping
+from owt_structure_node.core.sim import StaticImprovement
+from owt_structure_node.core.tower_top import TowerTopLoad
+
+__all__ = ["ResponseModel", "build_response_model", "n_mta"]
+
+
+@dataclass(frozen=True)
+class ResponseModel:
+    """Everything about a case that does not change over its time.
+
+    Attributes
+    ----------
+    load_step : float
+        Expected time step of the loads in s.
+    node_basis : float array [node, 6, function]
+        Basis functions at all nodes: their transpose projects nodal loads.
+    amplitude : float array [mode, function], or None
+        Amplitudes of the basis functions in each mode; None where the functions are the modes.
+    coordinate : float array [mode, coordinate]
+        Generalised coordinates per unit modal amplitude.
+    strained : int array [strained]
+        Basis functions that strain a member: a few, since the tower has functions of its own.
+    end_force : float array [strained, end, 6]
+        K_e u_e at the member ends per unit amplitude of those, in element axes.
+    tower_top : float array [6, mode]
+        Modal load per unit of each force and moment at the tower top.
+    upper : UpperPart
+        What stands on the jacket, for the energies of both.
+    ramp_s : float
+        Time in s over which the loads rise from zero.
+    improvement : StaticImprovement, optional
+        Static response of what the basis leaves out, added to forces and potential energy.
+    """
+
+    description: ReducedDescription
+    oscillators: Oscillators
+    load_step: float
+    n_elements: int
+    node_basis: Float[np.ndarray, "node 6 function"]
+    amplitude: Float[np.ndarray, "mode function"] | None
+    coordinate: Float[np.ndarray, "mode coordinate"]
+    ends: EndSections
+    strained: Int[np.ndarray, " strained"]
+    end_force: Float[np.ndarray, "strained end 6"]
+    tower_top: Float[np.ndarray, "6 mode"]
+    upper: UpperPart
+    ramp_s: float = 0.0
+    improvement: StaticImprovement | None = None
+
+
+def n_mta(reduction: str) -> int:
+    """Number of load vectors that a reduction needs.
+
+    Raises
+    ------
+    InputError
+        If it is not the name of a reduction.
+    """
+    return parse_reduction(reduction).load_vectors
+
+
+def build_response_model(
+    case: CaseConfig,
+    mesh: Mesh,
+    basis: LoadBasis | None,
+    tower_top_load: TowerTopLoad | None = None,
+) -> ResponseModel:
+    """Assemble, reduce and decouple the structure of `case`.
+
+    Parameters
+    ----------
+    case : CaseConfig
+        The case.
+    mesh : Mesh
+        Of its structure.
+    basis : LoadBasis, optional
+        Decomposition of its loads, where the reduction needs one.
+    tower_top_load : TowerTopLoad, optional
+        Of which the damping is taken; its wrench comes with the blocks.
+
+    Raises
+    ------
+    InputError
+        If the reduction does not fit the structure or the basis.
+    ComputationError
+        If a numerical step fails.
+    """
+    structure = case.structure
+    target = Target(structure.tolerance, structure.damping, case.time.dt_s)
+    model = build_modal_model(mesh, structure.reduction, basis, target)
+    top_dashpots = None if tower_top_load is None else tower_top_load.dashpots
+    damping = model_damping(model, structure.damping, basis, top_dashpots)
+    end_force = end_force_map(model.assembly, model.basis)
+    strained = np.flatnonzero(end_force.reshape(len(end_force), -1).any(axis=1))
+    node_basis = model.node_basis
+    tower_top = node_basis[mesh.tower_top]
+    return ResponseModel(
+        description=describe(model, damping, () if tower_top_load is None else tower_top_load.notes),
+        oscillators=Oscillators(
+            model.omega_squared,
+            damping.rate,
+            structure.dt_s,
+            case.substeps,
+            structure.integrator,
+            damping.coupling if damping.coupling.size else None,
+        ),
+        load_step=case.time.dt_s,
+        n_elements=mesh.n_elements,
+        node_basis=node_basis,
+        amplitude=model.amplitude,
+        coordinate=model.coordinate,
+        ends=end_sections(mesh),
+        strained=strained,
+        end_force=np.ascontiguousarray(end_force[strained]),
+        tower_top=tower_top if model.amplitude is None else tower_top @ model.amplitude.T,
+        upper=upper_part(model.assembly),
+        ramp_s=structure.ramp_s,
+        improvement=model.improvement,
+    )

@@ -8,9 +8,18 @@ import numpy as np
 
 from benchmarks.alternatives import newmark_coupled, rainflow_half_cycles
 from benchmarks.measure import Table, timing
+from benchmarks.structure import bench_building, bench_response, bench_simulate
 
 
 def bench_structure(table: Table) -> None:
+    """Integration of oscillators, and the OC4 turbine: building, reduction, response, whole command."""
+    _oscillators(table)
+    bench_building(table)
+    bench_response(table)
+    bench_simulate(table)
+
+
+def _oscillators(table: Table) -> None:
     """Integration of a system as large as the reduced turbine, against coupled Newmark in numpy."""
     from owt_structure_node.core.motion import Oscillators, integrate, static_state
 

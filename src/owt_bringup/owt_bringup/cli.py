@@ -20,6 +20,8 @@ COMMANDS = {
     "loads": "owt_bringup.commands.loads",
     "eigen": "owt_bringup.commands.eigen",
     "simulate": "owt_bringup.commands.simulate",
+    "superelement": "owt_bringup.commands.superelement",
+    "study": "owt_bringup.commands.study",
     "report": "owt_bringup.commands.report",
     "recover": "owt_bringup.commands.recover",
 }

@@ -1,0 +1,1 @@
+"""The thesis' tables and figures, each beside the print: one module per study."""

@@ -94,7 +94,7 @@ def ground(response: Response) -> np.ndarray:
         axes = element_transformation(mesh)[ends.element[end], :3, :3]
         assert abs(axes[0, 2]) == 1.0  # an upright pile
         local = [stress.axial[:, end], stress.bending_y[:, end], -stress.bending_z[:, end]]
-        normal, m_y, m_z = ends.sign[end] * np.array(local) / ends.factor[end, [0, 1, 1], None]
+        normal, m_y, m_z = ends.sign[end] * np.array(local) / ends.factor[[0, 1, 1], end, None]
         moment = m_y[:, None] * axes[1] + m_z[:, None] * axes[2]
         node = mesh.element_node[ends.element[end], ends.side[end]]
         total += lifted(normal[:, None] * axes[0], moment, arm[node])

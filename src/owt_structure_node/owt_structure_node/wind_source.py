@@ -49,7 +49,7 @@ def tower_top_load(case: CaseConfig, mesh: Mesh, *, live: bool = False) -> Tower
                 "wind.topic",
                 "given",
                 "is read by the running graph only",
-                "Use ./owt demo or the nodes, or give wind.series.",
+                "Run the nodes, or give wind.series.",
             )
         return TowerTopLoad(None)
     assert wind.thrust is not None
@@ -73,13 +73,14 @@ def read_wrench(path: Path) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray
     field = "wind.series.path"
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "is not UTF-8 text"
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        reason = "is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else reason
         raise InputError(
             field, str(path), f"cannot be read ({reason})", "Give a readable CSV file."
         ) from None
     numbered = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
-    table = list(csv.reader(line for _, line in numbered))
+    table = [_entries(line) for _, line in numbered]
     names = [name.strip() for name in table[0]] if table else []
     unknown = [name for name in names if name not in ("time_s", *COLUMNS)]
     if unknown or names.count("time_s") != 1 or len(set(names)) < len(names) or len(names) < 2:
@@ -103,9 +104,20 @@ def read_wrench(path: Path) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray
         rows[i, place] = values
         if i and not rows[i, 0] > rows[i - 1, 0]:
             raise InputError(
-                field, rows[i, 0], f"is the time in row {number}, not later than the row before", "Sort rows."
+                field,
+                float(rows[i, 0]),
+                f"is the time in row {number}, not later than the row before",
+                "Sort rows.",
             )
     return rows[:, 0], rows[:, 1:]
+
+
+def _entries(line: str) -> list[str]:
+    """Entries of one line; a quote that is left open does not reach the next."""
+    try:
+        return next(csv.reader([line]))
+    except csv.Error:
+        return []
 
 
 def _from_file(options: WrenchSeries, *, dt: float, n: int) -> TowerTopLoad:
@@ -117,13 +129,13 @@ def _from_file(options: WrenchSeries, *, dt: float, n: int) -> TowerTopLoad:
         covered = f"{time[0]:g} to {time[-1]:g} s" if len(time) else "nothing"
         raise InputError(
             "wind.series.path", options.path, f"covers {covered}, the record is 0 to {end:g} s",
-            "Give a series as long as the record, or a shorter record.",
+            "Give a series from 0 s to the end of the record, or a shorter record.",
         )  # fmt: skip
     samples = dt * np.arange(n)
     found = np.stack([np.interp(samples, time, column) for column in wrench.T], axis=1)
     notes = []
     finest = float(np.diff(time).min())
-    if finest < 0.5 * dt:
+    if finest < 0.9 * dt:
         notes.append(
             f"wind: {options.path} has steps of {finest:g} s, taken every {dt:g} s without a filter: what is "
             f"faster than {0.5 / dt:g} Hz appears slower"

@@ -10,8 +10,8 @@ from owt_model.section import area, bending_inertia, polar_inertia
 from owt_structure_node.core.assembly import assemble
 from owt_structure_node.core.modes import factorise
 from owt_structure_node.core.recovery import (
-    add_fixed_end_forces,
     end_force_map,
+    end_samples,
     end_sections,
     fixed_end_columns,
     stresses,
@@ -56,9 +56,13 @@ def uniform(assembly, q):
     ends = end_sections(mesh)
     loaded = np.unique(mesh.end_element)
     fixed = np.tile(-equivalent, (1, len(loaded), 1))
-    force = elastic.copy()
-    add_fixed_end_forces(force, fixed, fixed_end_columns(ends, loaded), 1)
+    force = elastic + end_samples(fixed, fixed_end_columns(ends, loaded)).transpose(0, 2, 1)
     return force, elastic, ends
+
+
+def stress_of(force, ends):
+    """Stress of end forces [row, end, 6]."""
+    return stresses(np.ascontiguousarray(force.transpose(0, 2, 1)), ends)
 
 
 def exact_section_forces(q):
@@ -92,7 +96,7 @@ def test_clamped_beam_under_distributed_load(beam, q):
 def test_stress_of_a_sagging_beam(beam):
     """Load downwards: top fibre (+z) in tension at the ends, in compression in the middle."""
     force, _, ends = uniform(beam, (0.0, 0.0, -1e4))
-    stress = stresses(force, ends)
+    stress = stress_of(force, ends)
     d, t = np.array([1.2]), np.array([0.05])
     modulus = (bending_inertia(d, t) / (d / 2))[0]
     end, middle = 1e4 * LENGTH**2 / 12 / modulus, 1e4 * LENGTH**2 / 24 / modulus
@@ -104,7 +108,7 @@ def test_stress_of_a_sagging_beam(beam):
 def test_stress_of_a_beam_pushed_sideways(beam):
     """Load towards +y: the +y fibre is in tension in the middle... and in compression at the ends."""
     force, _, ends = uniform(beam, (0.0, 1e4, 0.0))
-    stress = stresses(force, ends)
+    stress = stress_of(force, ends)
     assert (np.sign(stress.bending_z[0]) == [-1, 1, 1, -1]).all()
     assert np.abs(stress.bending_y).max() < 1e-6 * np.abs(stress.bending_z).max()
 
@@ -117,7 +121,7 @@ def test_axial_stress_is_positive_in_tension_at_both_ends(models):
         load = np.zeros(assembly.mesh.n_dof)
         load[assembly.internal + 2] = 1e6
         u = factorise(assembly.stiffness).solve(load)
-        stress = stresses(end_force_map(assembly, u[:, None]), end_sections(assembly.mesh))
+        stress = stress_of(end_force_map(assembly, u[:, None]), end_sections(assembly.mesh))
         a = area(np.array([models.diameter]), np.array([models.thickness]))[0]
         assert np.allclose(stress.axial, 1e6 / a, rtol=1e-9)
 
@@ -131,7 +135,7 @@ def test_bending_of_a_cantilever_in_any_direction(models):
     load = np.zeros(assembly.mesh.n_dof)
     load[assembly.internal : assembly.internal + 3] = 1e5 * push
     u = factorise(assembly.stiffness).solve(load)
-    stress = stresses(end_force_map(assembly, u[:, None]), end_sections(assembly.mesh))
+    stress = stress_of(end_force_map(assembly, u[:, None]), end_sections(assembly.mesh))
     d, t = np.array([models.diameter]), np.array([models.thickness])
     peak = 1e5 * 20.0 * (d / 2 / bending_inertia(d, t))[0]
     theta = np.linspace(0, 2 * np.pi, 721)
@@ -149,7 +153,7 @@ def test_von_mises_is_the_printed_formula(beam):
     """Eq. 4.70 to 4.79, one by one, on random forces."""
     ends = end_sections(beam.mesh)
     force = np.random.default_rng(7).standard_normal((50, 4, 6)) * [1e6, 1e5, 1e5, 1e5, 1e6, 1e6]
-    found = stresses(force, ends)
+    found = stress_of(force, ends)
     d, t = 1.2, 0.05
     r_o, r_i = d / 2, d / 2 - t
     a, i, j = (float(f(np.array([d]), np.array([t]))[0]) for f in (area, bending_inertia, polar_inertia))
@@ -171,11 +175,15 @@ def test_fixed_end_forces_are_linear_between_load_samples(beam):
     ends = end_sections(mesh)
     loaded = mesh.end_element[[2]]  # the first element of the second member
     fixed = np.zeros((3, 1, 12))
-    fixed[:, 0, 1] = [0.0, 10.0, 40.0]
-    force = np.zeros((11, 4, 6))
-    add_fixed_end_forces(force, fixed, fixed_end_columns(ends, loaded), 5)
-    assert np.allclose(force[:, 2, 1], [0, 2, 4, 6, 8, 10, 16, 22, 28, 34, 40])
-    assert not force[:, [0, 1, 3]].any()
+    fixed[:, 0, 0] = [0.0, 10.0, 40.0]
+    samples = end_samples(fixed, fixed_end_columns(ends, loaded))
+    axial = stresses(np.zeros((11, 6, 4)), ends, samples, 5).axial
+    found = axial[:, 2] / (ends.sign[2] * ends.factor[0, 2])
+    assert np.allclose(found, [0, 2, 4, 6, 8, 10, 16, 22, 28, 34, 40])
+    assert not axial[:, [0, 1, 3]].any()
+    # Negative control: as many rows without interpolation.
+    held = stresses(np.zeros((11, 6, 4)), ends, np.repeat(samples, [5, 5, 1], axis=0), 1).axial[:, 2]
+    assert not np.allclose(held, axial[:, 2])
 
 
 def test_one_element_members_have_both_ends_on_it(models):

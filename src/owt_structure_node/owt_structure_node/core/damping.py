@@ -33,6 +33,7 @@ __all__ = [
     "dashpot_vectors",
     "drag_vectors",
     "modal_damping",
+    "roots",
 ]
 
 #: Share of the largest eigenvalue of G G' below which a direction is round-off.
@@ -58,6 +59,11 @@ class ModalDamping:
     def diagonal(self) -> Float[np.ndarray, " mode"]:
         """Diagonal of C in 1/s: what is left of it where coupling is neglected."""
         return np.asarray(self.rate + (self.coupling**2).sum(axis=1))
+
+    @property
+    def dashpots(self) -> Float[np.ndarray, "mode direction"] | None:
+        """`coupling`, None where nothing couples the modes."""
+        return self.coupling if self.coupling.size else None
 
     def lowest(self, count: int) -> ModalDamping:
         """Return the damping of the first `count` modes, the others left out."""
@@ -126,7 +132,7 @@ def _compressed(coupling: Float[np.ndarray, "mode direction"]) -> Float[np.ndarr
     return np.ascontiguousarray(left[:, kept] * sigma[kept])
 
 
-def _roots(matrix: Float[np.ndarray, "size size"]) -> Float[np.ndarray, "direction size"]:
+def roots(matrix: Float[np.ndarray, "size size"]) -> Float[np.ndarray, "direction size"]:
     """Vectors g of a positive semi-definite matrix sum g g'."""
     value, vector = np.linalg.eigh(matrix)
     kept = value > _NEGLIGIBLE * max(float(value[-1]), 0.0)
@@ -162,9 +168,9 @@ def dashpot_vectors(
 
     for dashpot in mesh.structure.dashpots.values():
         *others, place = (index[joint] for joint in dashpot.joints)
-        add(place, others[0] if others else None, _roots(np.array(dashpot.matrix)))
+        add(place, others[0] if others else None, roots(np.array(dashpot.matrix)))
     if damping.tower_top is not None:
-        add(mesh.tower_top, None, _roots(np.diag(damping.tower_top)))
+        add(mesh.tower_top, None, roots(np.diag(damping.tower_top)))
     if tower_top is not None:
         add(mesh.tower_top, None, tower_top)
     return np.array(rows).reshape(len(rows), 6 * mesh.n_nodes)

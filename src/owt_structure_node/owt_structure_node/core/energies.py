@@ -1,57 +1,88 @@
-"""Energies of the response: total, per mode, and per substructure."""
+"""Energies of the response: per substructure, beside the total."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
-from scipy.sparse import csr_array
+from jaxtyping import Float, Int
 
 from owt_structure_node.core.assembly import Assembly
 
-__all__ = ["SUBSTRUCTURES", "UpperPart", "upper_part"]
+__all__ = ["SUBSTRUCTURES", "Part", "split"]
 
 #: Parts of the structure: jacket with supports and interface; transition piece, tower and rotor-nacelle.
 SUBSTRUCTURES = ("jacket", "tower")
 
 
 @dataclass(frozen=True)
-class UpperPart:
-    """What stands on the jacket, over the six motions of the transition piece and those of the tower.
+class Part:
+    """The part of a reduced structure that has the fewer coordinates; the energy of the other is the rest.
 
-    In every reduction, and in the unreduced model, these motions are generalised coordinates: the first six
-    and the last ones. Its matrices are sparse, so that its energy costs little; that of the jacket is the
-    rest.
+    Attributes
+    ----------
+    place : int
+        Which of :data:`SUBSTRUCTURES` it is.
+    coordinate : int array [own]
+        Its generalised coordinates.
+    stiffness, mass : float arrays [own, own]
+        Its matrices over them.
     """
 
-    stiffness: csr_array
-    mass: csr_array
-
-    def energy(
-        self, matrix: csr_array, coordinate: Float[np.ndarray, "row coordinate"]
-    ) -> Float[np.ndarray, " row"]:
-        """U' matrix u / 2 of the part's motions u among all generalised coordinates."""
-        above = matrix.shape[0] - 6
-        motion = np.hstack([coordinate[:, :6], coordinate[:, coordinate.shape[1] - above :]]).T
-        motion = np.ascontiguousarray(motion)
-        return np.asarray(0.5 * np.einsum("cr,cr->r", motion, matrix @ motion))
+    place: int
+    coordinate: Int[np.ndarray, " own"]
+    stiffness: Float[np.ndarray, "own own"]
+    mass: Float[np.ndarray, "own own"]
 
     def share(
         self,
-        matrix: csr_array,
+        matrix: Float[np.ndarray, "own own"],
         coordinate: Float[np.ndarray, "row coordinate"],
         total: Float[np.ndarray, " row"],
+        improvement: Float[np.ndarray, " row"] | float = 0.0,
     ) -> Float[np.ndarray, "row 2"]:
-        """Energy of each of :data:`SUBSTRUCTURES`, which add up to `total`."""
-        upper = self.energy(matrix, coordinate)
-        return np.stack([total - upper, upper], axis=1)
+        """Energies u' matrix u / 2 of :data:`SUBSTRUCTURES`, which add up to `total`.
+
+        Parameters
+        ----------
+        matrix : float array [own, own]
+            Stiffness or mass.
+        coordinate : float array [row, coordinate]
+            Displacements or velocities.
+        total : float array [row]
+            Energy of the whole in J.
+        improvement : float array [row], optional
+            What static improvement adds to the jacket, in the total already.
+        """
+        motion = coordinate[:, self.coordinate]
+        own = 0.5 * np.einsum("rc,rc->r", motion @ matrix, motion)
+        if self.place == 0:
+            own += improvement
+        parts = (own, total - own) if self.place == 0 else (total - own, own)
+        return np.stack(parts, axis=1)
 
 
-def upper_part(assembly: Assembly) -> UpperPart:
-    """Take the upper part out of an assembly."""
+def split(assembly: Assembly, shapes: Float[np.ndarray, "dof coordinate"] | None, n_coordinates: int) -> Part:
+    """Take the smaller part out of a structure.
+
+    In every reduction the generalised coordinates are the transition piece's six motions, those inside the
+    jacket, and the tower's; in the unreduced model those of transition piece and tower are reported.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The unreduced structure.
+    shapes : float array [dof, coordinate], optional
+        Basis of a reduced model.
+    n_coordinates : int
+        Number of generalised coordinates.
+    """
     n = assembly.internal
-    return UpperPart(
-        csr_array(assembly.upper_stiffness[n:, n:]),
-        csr_array(assembly.upper_mass[n:, n:]),
-    )
+    above = assembly.mesh.n_dof - n - 6
+    if shapes is None or n_coordinates > 2 * above:
+        upper = np.concatenate([np.arange(6), np.arange(n_coordinates - above, n_coordinates)])
+        matrices = (assembly.upper_stiffness[n:, n:], assembly.upper_mass[n:, n:])
+        return Part(1, upper, *(matrix.toarray() for matrix in matrices))
+    own = np.arange(n_coordinates - above)
+    below = np.ascontiguousarray(shapes[:, own])
+    return Part(0, own, *(below.T @ (a @ below) for a in (assembly.jacket_stiffness, assembly.jacket_mass)))

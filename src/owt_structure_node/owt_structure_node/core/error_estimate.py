@@ -191,7 +191,7 @@ class ErrorModel:
         """Normal stress in Pa by normal force and by both moments at the member ends, from K_e u_e."""
         ends = end_sections(self.assembly.mesh)
         force = end_force_map(self.assembly, shapes)
-        return np.asarray(force[:, :, [0, 4, 5]] * ends.factor[:, [0, 1, 1]])
+        return np.asarray(force[:, :, [0, 4, 5]] * ends.factor[[0, 1, 1]].T)
 
     def _reference_stress(self) -> None:
         """Variance of the stress at the member ends: static, with the low modes at their dynamic value."""

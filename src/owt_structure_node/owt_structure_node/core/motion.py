@@ -20,7 +20,7 @@ from owt_model.errors import InputError
 from owt_structure_node.core.integrators import Recurrence, recurrence
 from owt_structure_node.kernels.recurrence import advance
 
-__all__ = ["Motion", "MotionState", "Oscillators", "integrate", "static_state"]
+__all__ = ["Motion", "MotionState", "Oscillators", "integrate", "integrate_from", "static_state"]
 
 
 @dataclass(frozen=True)
@@ -130,6 +130,14 @@ def integrate(
         State at the last load sample; motion at every integration step after `state`, which is
         ``substeps`` rows per load sample. Cutting a record into blocks does not change a bit of it.
     """
+    last, motion = integrate_from(system, state, load)
+    return last, Motion(motion.displacement[1:], motion.velocity[1:], motion.acceleration[1:])
+
+
+def integrate_from(
+    system: Oscillators, state: MotionState, load: Float[np.ndarray, "sample mode"]
+) -> tuple[MotionState, Motion]:
+    """Like :func:`integrate`; row 0 of the motion is `state`."""
     samples = np.concatenate([state.load[None], load])
     rows = 1 + system.substeps * len(load)
     x, v, a = (np.empty((rows, load.shape[1])) for _ in range(3))
@@ -143,4 +151,4 @@ def integrate(
         g, by_direction, system.feedback, force, x, v, a,
     )  # fmt: skip
     last = MotionState(x[-1].copy(), v[-1].copy(), a[-1].copy(), samples[-1].copy(), force)
-    return last, Motion(x[1:], v[1:], a[1:])
+    return last, Motion(x, v, a)

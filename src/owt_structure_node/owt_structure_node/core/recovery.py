@@ -19,13 +19,13 @@ from jaxtyping import Float, Int
 from owt_model.mesh import Mesh
 from owt_model.section import area, bending_inertia, polar_inertia
 from owt_structure_node.core.assembly import Assembly, element_stiffness, element_transformation
-from owt_structure_node.kernels.stress import add_fixed_end, end_stress
+from owt_structure_node.kernels.stress import end_stress
 
 __all__ = [
     "EndSections",
     "EndStress",
-    "add_fixed_end_forces",
     "end_force_map",
+    "end_samples",
     "end_sections",
     "fixed_end_columns",
     "stresses",
@@ -42,7 +42,7 @@ class EndSections:
         Element and its end: 0 first node, 1 second node.
     sign : float array [end]
         From element force to section force: -1 at the first, +1 at the second node.
-    factor : float array [end, 4]
+    factor : float array [4, end]
         1/A (4.72) in 1/m2, r/I (4.73) and r/J (4.78) in 1/m3, and the factor of the resultant shear
         force in eq. 4.77 in 1/m2; r is the outer radius.
     """
@@ -50,7 +50,7 @@ class EndSections:
     element: Int[np.ndarray, " end"]
     side: Int[np.ndarray, " end"]
     sign: Float[np.ndarray, " end"]
-    factor: Float[np.ndarray, "end 4"]
+    factor: Float[np.ndarray, "4 end"]
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def end_sections(mesh: Mesh) -> EndSections:
         r_o / polar_inertia(diameter, thickness),
         shear,
     ]
-    factor = np.ascontiguousarray(np.array(columns).T)
+    factor = np.array(columns)
     return EndSections(element, side, np.where(side == 0, -1.0, 1.0), factor)
 
 
@@ -117,36 +117,54 @@ def fixed_end_columns(
     return np.stack([np.array(source, dtype=np.int64), 6 * ends.side], axis=1)
 
 
-def add_fixed_end_forces(
-    force: Float[np.ndarray, "row end 6"],
-    fixed_end: Float[np.ndarray, "sample fixed 12"],
-    columns: Int[np.ndarray, "end 2"],
-    substeps: int,
-) -> None:
-    """Add the fixed-end forces, linear between load samples, to K_e u_e in place.
+def end_samples(
+    fixed_end: Float[np.ndarray, "sample fixed 12"], columns: Int[np.ndarray, "end 2"]
+) -> Float[np.ndarray, "sample 6 end"]:
+    """Fixed-end forces of loaded elements at the member ends, zero at the others.
 
     Parameters
     ----------
-    force : float array [1 + substeps (samples - 1), end, 6]
-        Element end forces, the first row at the first sample of `fixed_end`; changed in place.
     fixed_end : float array [sample, fixed, 12]
-        Fixed-end forces of the loaded elements.
+        Fixed-end forces of the loaded elements, in element axes.
     columns : int array [end, 2]
         From :func:`fixed_end_columns`.
-    substeps : int
-        Integration steps per load step.
     """
-    add_fixed_end(force, fixed_end, columns, substeps)
+    source, first = columns.T
+    if not fixed_end.shape[1]:
+        return np.zeros((len(fixed_end), 6, len(columns)))
+    place = 12 * np.maximum(source, 0) + first + np.arange(6)[:, None]
+    found = np.take(fixed_end.reshape(len(fixed_end), -1), place, axis=1)
+    found[:, :, source < 0] = 0.0
+    return found
 
 
-def stresses(force: Float[np.ndarray, "row end 6"], ends: EndSections) -> EndStress:
+def stresses(
+    force: Float[np.ndarray, "row 6 end"],
+    ends: EndSections,
+    fixed: Float[np.ndarray, "sample 6 end"] | None = None,
+    substeps: int = 1,
+) -> EndStress:
     """Stress at member ends from element end forces [eq. 4.70-4.79].
 
     The von Mises stress is as printed: resultant moment and resultant shear force, unsigned, with the
     normal force positive in tension and the torsional shear added by its amount, since a point of the
     section exists where the two shear stresses add.
+
+    Parameters
+    ----------
+    force : float array [1 + substeps (samples - 1), 6, end]
+        K_e u_e in N and N m on the ends of elements, element axes, the first row at the first sample of
+        `fixed`.
+    ends : EndSections
+        Of the same ends.
+    fixed : float array [sample, 6, end], optional
+        From :func:`end_samples`: what is added, linear between the samples; nothing where left out.
+    substeps : int
+        Integration steps per load step.
     """
-    shape = force.shape[:2]
+    added = np.zeros((1, *force.shape[1:])) if fixed is None else fixed
+    shape = (force.shape[0], force.shape[2])
     axial, bending_y, bending_z, von_mises = (np.empty(shape) for _ in range(4))
-    end_stress(force, ends.sign, ends.factor, axial, bending_y, bending_z, von_mises)
+    steps = max(len(force) - 1, 1) if fixed is None else substeps
+    end_stress(force, added, steps, ends.sign, ends.factor, axial, bending_y, bending_z, von_mises)
     return EndStress(axial, bending_y, bending_z, von_mises)

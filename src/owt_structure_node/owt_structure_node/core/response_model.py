@@ -12,7 +12,7 @@ from owt_model.contracts import LoadBasis, ReducedDescription
 from owt_model.mesh import Mesh
 from owt_model.reduction_name import parse_reduction
 from owt_structure_node.core.auto import Target
-from owt_structure_node.core.energies import UpperPart, upper_part
+from owt_structure_node.core.energies import Part, split
 from owt_structure_node.core.motion import Oscillators
 from owt_structure_node.core.recovery import EndSections, end_force_map, end_sections
 from owt_structure_node.core.response import build_modal_model, describe, model_damping
@@ -38,12 +38,12 @@ class ResponseModel:
         Generalised coordinates per unit modal amplitude.
     strained : int array [strained]
         Basis functions that strain a member: a few, since the tower has functions of its own.
-    end_force : float array [strained, end, 6]
+    end_force : float array [strained, 6, end]
         K_e u_e at the member ends per unit amplitude of those, in element axes.
     tower_top : float array [6, mode]
         Modal load per unit of each force and moment at the tower top.
-    upper : UpperPart
-        What stands on the jacket, for the energies of both.
+    part : Part
+        What tells the energies of jacket and tower apart.
     ramp_s : float
         Time in s over which the loads rise from zero.
     improvement : StaticImprovement, optional
@@ -59,9 +59,9 @@ class ResponseModel:
     coordinate: Float[np.ndarray, "mode coordinate"]
     ends: EndSections
     strained: Int[np.ndarray, " strained"]
-    end_force: Float[np.ndarray, "strained end 6"]
+    end_force: Float[np.ndarray, "strained 6 end"]
     tower_top: Float[np.ndarray, "6 mode"]
-    upper: UpperPart
+    part: Part
     ramp_s: float = 0.0
     improvement: StaticImprovement | None = None
 
@@ -120,7 +120,7 @@ def build_response_model(
             structure.dt_s,
             case.substeps,
             structure.integrator,
-            damping.coupling if damping.coupling.size else None,
+            damping.dashpots,
         ),
         load_step=case.time.dt_s,
         n_elements=mesh.n_elements,
@@ -129,9 +129,11 @@ def build_response_model(
         coordinate=model.coordinate,
         ends=end_sections(mesh),
         strained=strained,
-        end_force=np.ascontiguousarray(end_force[strained]),
+        end_force=np.ascontiguousarray(end_force[strained].transpose(0, 2, 1)),
         tower_top=tower_top if model.amplitude is None else tower_top @ model.amplitude.T,
-        upper=upper_part(model.assembly),
+        part=split(
+            model.assembly, None if model.amplitude is None else model.basis, model.coordinate.shape[1]
+        ),
         ramp_s=structure.ramp_s,
         improvement=model.improvement,
     )

@@ -14,8 +14,8 @@ from jaxtyping import Float
 from owt_model.contracts import EnergyBlock, LoadBlock, ModalBlock, StressBlock, WrenchBlock
 from owt_model.errors import ComputationError
 from owt_structure_node.core.load_map import LoadMap, check_values, map_loads, ramp
-from owt_structure_node.core.motion import Motion, MotionState, integrate, static_state
-from owt_structure_node.core.recovery import add_fixed_end_forces, stresses
+from owt_structure_node.core.motion import Motion, MotionState, integrate_from, static_state
+from owt_structure_node.core.recovery import EndStress, end_samples, stresses
 from owt_structure_node.core.response_model import ResponseModel, build_response_model, n_mta
 
 __all__ = [
@@ -91,20 +91,19 @@ def step(
         assert state.fixed_end is not None
         before, rest = state.motion, modal_load
         ends = np.concatenate([state.fixed_end[None], fixed_end])
-    after, motion = integrate(model.oscillators, before, rest)
     # Row 0 is the instant before the block, part of the output for the first block only: interpolation of
     # the fixed-end forces needs it.
-    motion = _with_start(before, motion)
+    after, motion = integrate_from(model.oscillators, before, rest)
     shown = slice(0 if first else 1, None)
     coordinate = motion.displacement if model.amplitude is None else motion.displacement @ model.amplitude
-    force = _end_forces(model, coordinate)
+    fixed = end_samples(ends, loads.columns)
     substeps = model.oscillators.substeps
-    add_fixed_end_forces(force, ends, loads.columns, substeps)
     extra_energy: Float[np.ndarray, " row"] | float = 0.0
     if loads.improvement is not None:
         improved = nodal if state.improved is None else np.concatenate([state.improved[None], nodal])
-        add_fixed_end_forces(force, loads.improvement.forces(improved), loads.improvement.columns, substeps)
+        fixed += end_samples(loads.improvement.forces(improved), loads.improvement.columns)
         extra_energy = loads.improvement.energy(improved, substeps)[shown]
+    stress = stresses(_end_forces(model, coordinate), model.ends, fixed, substeps)
     head = {
         "sequence": load.sequence,
         "start": 0 if first else substeps * (load.start - 1) + 1,
@@ -115,7 +114,7 @@ def step(
     modal = _modal_block(model, motion, coordinate[shown], head)
     response = Response(
         modal=modal,
-        stress=_stress_block(model, force[shown], head),
+        stress=_stress_block(stress, shown, head),
         energy=_energy_block(model, motion, modal, head, extra_energy),
     )
     if not (np.isfinite(response.energy.potential).all() and np.isfinite(response.stress.von_mises).all()):
@@ -170,20 +169,12 @@ def _loads(
     return factor[:, None] * nodal, factor[:, None, None] * fixed_end, factor[:, None] * modal_load
 
 
-def _with_start(before: MotionState, motion: Motion) -> Motion:
-    return Motion(
-        np.concatenate([before.displacement[None], motion.displacement]),
-        np.concatenate([before.velocity[None], motion.velocity]),
-        np.concatenate([before.acceleration[None], motion.acceleration]),
-    )
-
-
 def _end_forces(
     model: ResponseModel, amplitude: Float[np.ndarray, "row function"]
-) -> Float[np.ndarray, "row end 6"]:
-    n_strained, n_ends = model.end_force.shape[:2]
+) -> Float[np.ndarray, "row 6 end"]:
+    n_strained, _, n_ends = model.end_force.shape
     force = np.ascontiguousarray(amplitude[:, model.strained]) @ model.end_force.reshape(n_strained, -1)
-    return np.asarray(force).reshape(-1, n_ends, 6)
+    return np.asarray(force).reshape(-1, 6, n_ends)
 
 
 def _modal_block(
@@ -201,16 +192,13 @@ def _modal_block(
     )
 
 
-def _stress_block(
-    model: ResponseModel, force: Float[np.ndarray, "row end 6"], head: dict[str, int | float | bool]
-) -> StressBlock:
-    stress = stresses(force, model.ends)
+def _stress_block(stress: EndStress, shown: slice, head: dict[str, int | float | bool]) -> StressBlock:
     return StressBlock(
         **head,  # type: ignore[arg-type]
-        axial=stress.axial,
-        bending_y=stress.bending_y,
-        bending_z=stress.bending_z,
-        von_mises=stress.von_mises,
+        axial=stress.axial[shown],
+        bending_y=stress.bending_y[shown],
+        bending_z=stress.bending_z[shown],
+        von_mises=stress.von_mises[shown],
     )
 
 
@@ -224,7 +212,7 @@ def _energy_block(
     """Potential x' K x / 2 and kinetic v' M v / 2, which are sums over the modes; `extra` is potential."""
     potential = 0.5 * model.oscillators.stiffness * motion.displacement**2
     kinetic = 0.5 * motion.velocity**2
-    total, moving, upper = potential.sum(axis=1) + extra, kinetic.sum(axis=1), model.upper
+    total, moving, part = potential.sum(axis=1) + extra, kinetic.sum(axis=1), model.part
     n = len(model.description.frequency_hz)
     return EnergyBlock(
         **head,  # type: ignore[arg-type]
@@ -232,8 +220,8 @@ def _energy_block(
         kinetic=moving,
         potential_mode=np.ascontiguousarray(potential[:, :n]),
         kinetic_mode=np.ascontiguousarray(kinetic[:, :n]),
-        potential_substructure=upper.share(upper.stiffness, modal.displacement, total),
-        kinetic_substructure=upper.share(upper.mass, modal.velocity, moving),
+        potential_substructure=part.share(part.stiffness, modal.displacement, total, extra),
+        kinetic_substructure=part.share(part.mass, modal.velocity, moving),
     )
 
 

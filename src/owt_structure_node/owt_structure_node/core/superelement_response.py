@@ -9,6 +9,7 @@ from jaxtyping import Float, Int
 
 from owt_model.errors import ComputationError, InputError
 from owt_model.superelement import INTERFACE, Superelement
+from owt_structure_node.core.damping import ModalDamping, roots
 from owt_structure_node.core.modes import dense_modes
 from owt_structure_node.core.motion import Motion, MotionState, Oscillators, integrate, static_state
 from owt_structure_node.core.superelement import PROPORTIONAL, Attached, Matrix
@@ -21,7 +22,7 @@ _BLOCK = 500
 
 @dataclass(frozen=True)
 class Decoupled:
-    """Modes of a proportionally damped system.
+    """Undamped modes of a system, and its damping in them.
 
     Attributes
     ----------
@@ -29,46 +30,49 @@ class Decoupled:
         In rad2/s2, ascending.
     shapes : float array [coordinate, mode]
         Mass-normalised.
-    rate : float array [mode]
-        2 zeta omega in 1/s.
+    damping : ModalDamping
+        Diagonal where it is proportional, to the digits of a file; else as a whole.
     """
 
     omega_squared: Float[np.ndarray, " mode"]
     shapes: Float[np.ndarray, "coordinate mode"]
-    rate: Float[np.ndarray, " mode"]
+    damping: ModalDamping
 
 
 def decouple(stiffness: Matrix, mass: Matrix, damping: Matrix) -> Decoupled:
-    """Split a system into single oscillators.
+    """Split a system into oscillators, coupled by damping that is not proportional.
 
     Raises
     ------
     InputError
-        If the damping couples modes by more than the digits of a file explain.
+        If the damping is negative in some direction: it would drive the system.
     ComputationError
         If stiffness or mass is not positive definite.
     """
     omega2, shapes = dense_modes(stiffness, mass)
     modal = shapes.T @ damping @ shapes
-    worst, (i, j) = _coupling(modal)
-    if worst > PROPORTIONAL:
+    modal = 0.5 * (modal + modal.T)
+    lowest, highest = np.linalg.eigvalsh(modal)[[0, -1]]
+    if lowest < -PROPORTIONAL * max(float(highest), 0.0) or highest < 0.0:
         raise InputError(
-            f"damping matrix, modes {i + 1} and {j + 1}",
-            worst,
-            f"are coupled by this share of their own damping, above {PROPORTIONAL:g}: it is not proportional",
-            "Use the same Rayleigh coefficients below and above the interface, and no dashpots.",
+            "damping matrix",
+            float(lowest),
+            "is its lowest eigenvalue in the modes, in 1/s; none may be negative",
+            "Check signs and units of the damping.",
         )
-    return Decoupled(omega2, shapes, modal.diagonal().copy())
+    size = len(modal)
+    if _coupling(modal) <= PROPORTIONAL:
+        return Decoupled(omega2, shapes, ModalDamping(modal.diagonal().copy(), np.zeros((size, 0))))
+    return Decoupled(omega2, shapes, ModalDamping(np.zeros(size), np.ascontiguousarray(roots(modal).T)))
 
 
-def _coupling(modal: Matrix) -> tuple[float, tuple[int, int]]:
-    """Largest |c_ij| / sqrt(c_ii c_jj) off the diagonal, and where."""
+def _coupling(modal: Matrix) -> float:
+    """Largest |c_ij| / sqrt(c_ii c_jj) off the diagonal."""
     own = np.sqrt(np.maximum(modal.diagonal(), 0.0))
     bound = np.outer(own, own)
     away = np.abs(modal - np.diag(modal.diagonal()))
     share = np.divide(away, bound, out=np.where(away > 0.0, np.inf, 0.0), where=bound > 0.0)
-    i, j = divmod(int(share.argmax()), len(modal))
-    return float(share[i, j]), (i, j)
+    return float(share.max())
 
 
 @dataclass(frozen=True)
@@ -110,13 +114,16 @@ def respond(
     Raises
     ------
     InputError
-        If the damping is not proportional, or the step does not divide that of the loads.
+        If the damping is negative somewhere, or the step does not divide that of the loads.
     ComputationError
         If the response is not finite.
     """
     substeps = _substeps(element.dt, element.dt if step is None else step)
     modes = decouple(attached.stiffness, attached.mass, attached.damping)
-    system = Oscillators(modes.omega_squared, modes.rate, element.dt / substeps, substeps, method)
+    damping = modes.damping
+    system = Oscillators(
+        modes.omega_squared, damping.rate, element.dt / substeps, substeps, method, damping.dashpots
+    )
     projection = modes.shapes[: element.n_dof]
     above = modes.shapes[attached.upper]
     maps = [matrix[:INTERFACE] @ above for matrix in _upper_matrices(attached)]

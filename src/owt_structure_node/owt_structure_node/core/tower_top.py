@@ -4,18 +4,40 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
+from itertools import islice
 
 import numpy as np
 from jaxtyping import Float
 
 from owt_model.contracts import LoadBlock, WrenchBlock
-from owt_model.errors import ComputationError
+from owt_model.errors import ComputationError, InputError
 from owt_model.timing import sample_time_ns
 from owt_model.wind_config import ThrustConfig
 from owt_structure_node.core.rotor_thrust import Rotor, rotor_thrust, tower_top_wrench
 from owt_structure_node.core.rotor_wind import Wind
 
 __all__ = ["TowerTopLoad", "WrenchSamples", "beside", "thrust_load", "turned"]
+
+#: What the case calls the fields of the rotor.
+ROTOR = {
+    "diameter": "diameter_m",
+    "hub_height": "hub_height_m",
+    "hub_above_top": "hub_above_top_m",
+    "cut_in": "cut_in_m_s",
+    "rated_speed": "rated_speed_m_s",
+    "cut_out": "cut_out_m_s",
+    "max_rpm": "max_rpm",
+    "thrust_coefficient": "thrust_coefficient",
+    "damping": "damping_n_s_m",
+    "controller_time": "controller_time_s",
+    "air_density": "air_density_kg_m3",
+    "tower_diameter": "tower_diameter_m",
+    "tower_distance": "tower_distance_m",
+}
+#: What it calls the fields that rotor and wind refuse.
+FIELDS = {f"rotor.{name}": f"wind.thrust.rotor.{given}" for name, given in ROTOR.items()} | {
+    "wind.speed": "wind.thrust.speed_m_s"
+}
 
 
 @dataclass(frozen=True)
@@ -81,24 +103,8 @@ def thrust_load(options: ThrustConfig, *, dt: float, n: int) -> TowerTopLoad:
     Raises
     ------
     InputError
-        As :func:`~owt_structure_node.core.rotor_thrust.rotor_thrust`.
+        As :func:`~owt_structure_node.core.rotor_thrust.rotor_thrust`, in the words of the case.
     """
-    part = options.rotor
-    rotor = Rotor(
-        diameter=part.diameter_m,
-        hub_height=part.hub_height_m,
-        hub_above_top=part.hub_above_top_m,
-        cut_in=part.cut_in_m_s,
-        rated_speed=part.rated_speed_m_s,
-        cut_out=part.cut_out_m_s,
-        max_rpm=part.max_rpm,
-        thrust_coefficient=part.thrust_coefficient,
-        damping=part.damping_n_s_m,
-        controller_time=part.controller_time_s,
-        air_density=part.air_density_kg_m3,
-        tower_diameter=part.tower_diameter_m,
-        tower_distance=part.tower_distance_m,
-    )
     wind = Wind(
         speed=options.speed_m_s,
         turbulence=options.turbulence
@@ -108,7 +114,13 @@ def thrust_load(options: ThrustConfig, *, dt: float, n: int) -> TowerTopLoad:
         shear_exponent=options.shear_exponent,
         seed=options.seed,
     )
-    found = rotor_thrust(rotor, wind, dt=dt, n=n)
+    try:
+        rotor = Rotor(**{name: getattr(options.rotor, given) for name, given in ROTOR.items()})
+        found = rotor_thrust(rotor, wind, dt=dt, n=n)
+    except InputError as error:
+        raise InputError(
+            FIELDS.get(error.field, error.field), error.value, error.limit, error.remedy
+        ) from None
     unit = tower_top_wrench(np.ones(1), direction_deg=wind.direction_deg, hub_above_top=rotor.hub_above_top)
     damped = options.aerodynamic_damping and found.damping > 0.0
     dashpots = np.sqrt(found.damping) * unit if damped else np.zeros((0, 6))
@@ -176,8 +188,9 @@ class WrenchSamples:
                 f"tower-top wrench: asked for {_seconds(time_ns[0])} to {_seconds(time_ns[-1])}, known is "
                 f"{known}; its first message must be stamped 0"
             )
-        known_time, value = np.array(self._time, dtype=np.int64), np.array(self._wrench)
-        times = np.array(time_ns, dtype=np.int64)
+        needed = 1 + next(i for i, time in enumerate(self._time) if time >= time_ns[-1])
+        known_time = np.fromiter(islice(self._time, needed), np.int64, needed)
+        value, times = np.array(list(islice(self._wrench, needed))), np.array(time_ns, dtype=np.int64)
         before = np.searchsorted(known_time, times, side="right") - 1
         found = value[before]
         if not self._hold:

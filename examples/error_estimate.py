@@ -32,7 +32,9 @@ INK = "#1c2733"
 
 
 def case_of(cell: dict[str, str], reduction: str, *, n: int, seed: int) -> CaseConfig:
-    sea = {key: float(cell[key]) for key in ("hs_m", "tp_s", "direction_deg")} | {"seed": seed}
+    # The table says where waves come from, clockwise from north; x points north, y west.
+    sea = {"hs_m": float(cell["hs_m"]), "tp_s": float(cell["tp_s"]), "seed": seed}
+    sea["direction_deg"] = (180.0 - float(cell["direction_deg"])) % 360.0
     structure = {"model": "oc4-thesis", "reduction": reduction, "dt_s": 0.1, "integrator": "exact"}
     return parse_case({"sea_state": sea, "time": {"n": n}, "structure": structure, "stream": {"block": n}})
 

@@ -22,6 +22,7 @@ FLAGS: dict[str, tuple[str, str, type[BaseModel]]] = {
     "order": ("wave", "order", Wave),
     "stretching": ("wave", "stretching", Wave),
     "reduction": ("structure", "reduction", StructureConfig),
+    "tolerance": ("structure", "tolerance", StructureConfig),
     "model": ("structure", "model", StructureConfig),
     "rate": ("stream", "rate", Stream),
 }

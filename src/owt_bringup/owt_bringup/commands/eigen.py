@@ -15,12 +15,6 @@ if TYPE_CHECKING:
 
 HELP = "eigenfrequencies, damping, mass and Guyan stiffness of a structure"
 
-#: Loads that give the MTA vectors of a reduction that has them: the sea of thesis table B.1.
-LOAD_CASE = {
-    "sea_state": {"hs_m": 8.25, "tp_s": 11.5, "direction_deg": 210.0, "seed": 1},
-    "wave": {"order": 2},
-}
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
@@ -35,6 +29,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tolerance", type=float, help="estimated error in energy that auto allows (default 0.001)"
     )
+    parser.add_argument(
+        "--sensitivity",
+        choices=("reference", "damping", "damping-modal", "frequency"),
+        metavar="NAME",
+        help="as a model of thesis 5.3: reference, damping (tower-top dashpot), damping-modal (30 %% on two "
+        "modes) or frequency (softer jacket)",
+    )
     parser.add_argument("--modes", type=int, default=20, help="number of modes (default 20)")
     parser.add_argument("--fixed-interface", action="store_true", help="clamp the interface")
     parser.add_argument(
@@ -47,7 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print the report, as a table or as JSON."""
-    from owt_model.structure import load_structure
+    from owt_model.sensitivity import sensitivity_model
+    from owt_model.structure import case_structure
+    from owt_model.structure_config import StructureConfig
     from owt_structure_node.core.eigen import eigen_report
 
     if options.fixed_interface and options.reduction:
@@ -56,9 +59,11 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.tolerance is not None and options.reduction != "auto":
         raise InputError("tolerance", options.tolerance, "is that of auto", "Give --reduction auto as well.")
-    structure = load_structure(options.model)
+    config = sensitivity_model(options.sensitivity or "reference", StructureConfig(model=options.model))
+    structure = case_structure(config)
     report = eigen_report(
         structure,
+        damping=config.damping,
         reduction=options.reduction,
         n_modes=options.modes,
         fixed_interface=options.fixed_interface,
@@ -94,8 +99,6 @@ def _load_basis(structure: Structure, reduction: str | None) -> LoadBasis | None
     vectors = n_mta(reduction) if reduction else 0
     if vectors == 0:
         return None
-    from owt_model.config import parse_case
-    from owt_model.mesh import build_mesh
-    from owt_wave_node.core.stage import build_wave_stage
+    from owt_campaign.standard_load import standard_load_basis
 
-    return build_wave_stage(parse_case(LOAD_CASE), build_mesh(structure)).load_basis(vectors)
+    return standard_load_basis(structure, vectors)

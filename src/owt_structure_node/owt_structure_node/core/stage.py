@@ -112,11 +112,9 @@ def step(
     }
     motion = Motion(motion.displacement[shown], motion.velocity[shown], motion.acceleration[shown])
     modal = _modal_block(model, motion, coordinate[shown], head)
-    response = Response(
-        modal=modal,
-        stress=_stress_block(stress, shown, head),
-        energy=_energy_block(model, motion, modal, head, extra_energy),
-    )
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused below
+        energy = _energy_block(model, motion, modal, head, extra_energy)
+    response = Response(modal, _stress_block(stress, shown, head), energy)
     if not (np.isfinite(response.energy.potential).all() and np.isfinite(response.stress.von_mises).all()):
         raise ComputationError(
             f"response: not finite in block {load.sequence}; the loads are too large to integrate"

@@ -203,7 +203,7 @@ class JointSpring(Spring):
 class StaticState(Frozen):
     """Weights at rest, and what the axial forces that they cause do to the stiffness."""
 
-    gravity_m_s2: Positive = 9.81
+    gravity_m_s2: Positive = Field(9.81, description="gravity in m/s2")
     buoyancy: bool = Field(True, description="displaced water of `added_mass` carries the wet members")
     p_delta: bool = Field(True, description="geometric stiffness of the axial forces")
 

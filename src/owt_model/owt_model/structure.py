@@ -342,10 +342,9 @@ def case_structure(config: StructureConfig) -> Structure:
     InputError
         As :func:`load_structure`.
     """
-    structure = load_structure(config.model)
-    if config.jacket_stiffness_factor is None:
-        return structure
-    return structure.model_copy(update={"jacket_stiffness_factor": config.jacket_stiffness_factor})
+    names = ("jacket_stiffness_factor", "static_state")
+    given = {name: getattr(config, name) for name in names if getattr(config, name) is not None}
+    return load_structure(config.model).model_copy(update=given)
 
 
 class _UniqueKeys(yaml.SafeLoader):

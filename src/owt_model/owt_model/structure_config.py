@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from owt_model.errors import InputError
+from owt_model.parts import StaticState
 from owt_model.reduction_name import parse_reduction
 from owt_model.validation import Frozen
 
@@ -137,6 +138,9 @@ class StructureConfig(Frozen):
     )
     jacket_stiffness_factor: float | None = Field(
         None, gt=0.0, le=1e3, description="factor on the stiffness of the members, instead of the structure's"
+    )
+    static_state: StaticState | None = Field(
+        None, description="geometric stiffness of the weights, instead of the structure's"
     )
     reduction: str = Field(
         "CB10M10",

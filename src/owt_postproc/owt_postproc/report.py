@@ -120,6 +120,25 @@ def _series(data: ReportData) -> list[tuple[str, str, np.ndarray, str, float, st
         ("potential_energy", "Potential energy", data.potential, "j", 1e-3, "kJ"),
         ("kinetic_energy", "Kinetic energy", data.kinetic, "j", 1e-3, "kJ"),
     ]
+    for i, part in enumerate(data.reduced.substructure_name):
+        rows += [
+            (
+                f"potential_energy_{part}",
+                f"Potential energy, {part}",
+                data.potential_substructure[:, i],
+                "j",
+                1e-3,
+                "kJ",
+            ),
+            (
+                f"kinetic_energy_{part}",
+                f"Kinetic energy, {part}",
+                data.kinetic_substructure[:, i],
+                "j",
+                1e-3,
+                "kJ",
+            ),
+        ]
     if data.tower_top is not None:
         rows[4:4] = [
             ("tower_top_x", "Tower-top displacement, x", data.tower_top[:, 0], "m", 1.0, "m"),

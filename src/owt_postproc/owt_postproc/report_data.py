@@ -77,6 +77,8 @@ class ReportData:
         There, in Pa; normal stress signed, SCF included; von Mises nominal.
     potential, kinetic : float arrays [sample]
         Energies in J.
+    potential_substructure, kinetic_substructure : float arrays [sample, part]
+        Energies in J of the parts that ``reduced`` names; none of a recording that lacks them.
     complete : bool
         False where the stress does not reach the end of the record.
     """
@@ -99,6 +101,8 @@ class ReportData:
     stress_von_mises: Float[np.ndarray, " sample"]
     potential: Float[np.ndarray, " sample"]
     kinetic: Float[np.ndarray, " sample"]
+    potential_substructure: Float[np.ndarray, "sample part"]
+    kinetic_substructure: Float[np.ndarray, "sample part"]
     complete: bool = True
     title: str = "Response and fatigue in one sea state"
 
@@ -144,7 +148,8 @@ class ReportCollector:
         elif isinstance(block, StressBlock):
             self._keep("stress", block, (block.axial, block.bending_y, block.bending_z, block.von_mises))
         elif isinstance(block, EnergyBlock):
-            self._keep("energy", block, (block.potential.copy(), block.kinetic.copy()))
+            parts = block.potential_substructure.copy(), block.kinetic_substructure.copy()
+            self._keep("energy", block, (block.potential.copy(), block.kinetic.copy(), *parts))
 
     def _keep(self, stream: str, block: Block, parts: tuple[Any, ...]) -> None:
         if block.sequence != self._next.get(stream, 0):
@@ -180,7 +185,7 @@ class ReportCollector:
         first, total = self._series("elevation", 2)
         (force,) = self._series("load", 1)
         (top,) = self._series("modal", 1)
-        potential, kinetic = self._series("energy", 2)
+        potential, kinetic, *parts = self._series("energy", 4)
         blocks = self._parts("stress")
         axial, bending_y, bending_z, von_mises = (
             np.concatenate([parts[i][:, end] for parts in blocks]) for i in range(4)
@@ -208,6 +213,8 @@ class ReportCollector:
             stress_von_mises=von_mises[response],
             potential=potential[response],
             kinetic=kinetic[response],
+            potential_substructure=parts[0][response],
+            kinetic_substructure=parts[1][response],
             complete=self._complete,
         )
 

@@ -51,7 +51,16 @@ def test_every_field_is_a_parameter_with_a_description() -> None:
     table = {leaf.name: leaf for leaf in leaves(CaseConfig)}
     assert set(case_values(CaseConfig())) <= set(table)
     unset = {name for name, leaf in table.items() if leaf.default is None}
-    parts = ("components", "spectrum_file", "measured", "regular", "current", "sea_state.focus", "wind")
+    parts = (
+        "components",
+        "spectrum_file",
+        "measured",
+        "regular",
+        "current",
+        "sea_state.focus",
+        "wind",
+        "structure.static_state",
+    )
     optional = tuple(f"{part}." for part in parts)
     assert {name for name in unset if not name.startswith(optional)} == {
         "sea_state.gamma",

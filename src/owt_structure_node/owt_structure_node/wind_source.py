@@ -115,7 +115,7 @@ def read_wrench(path: Path) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray
 def _entries(line: str) -> list[str]:
     """Entries of one line; a quote that is left open does not reach the next."""
     try:
-        return next(csv.reader([line]))
+        return next(csv.reader([line], strict=True))
     except csv.Error:
         return []
 

@@ -46,6 +46,8 @@ def run(options: argparse.Namespace) -> int:
         "time": data.time,
         "potential": data.potential,
         "kinetic": data.kinetic,
+        "potential_substructure": data.potential_substructure,
+        "kinetic_substructure": data.kinetic_substructure,
         "stress_normal": data.stress_normal,
         "stress_von_mises": data.stress_von_mises,
         "damage": data.fatigue.damage,

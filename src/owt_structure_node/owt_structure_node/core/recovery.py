@@ -135,7 +135,7 @@ def end_samples(
     place = 12 * np.maximum(source, 0) + first + np.arange(6)[:, None]
     found = np.take(fixed_end.reshape(len(fixed_end), -1), place, axis=1)
     found[:, :, source < 0] = 0.0
-    return found
+    return np.asarray(found)
 
 
 def stresses(

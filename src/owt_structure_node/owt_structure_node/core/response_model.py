@@ -113,7 +113,7 @@ def build_response_model(
     node_basis = model.node_basis
     tower_top = node_basis[mesh.tower_top]
     return ResponseModel(
-        description=describe(model, damping, () if tower_top_load is None else tower_top_load.notes),
+        description=describe(model, damping, _notes(case, tower_top_load)),
         oscillators=Oscillators(
             model.omega_squared,
             damping.rate,
@@ -137,3 +137,12 @@ def build_response_model(
         ramp_s=structure.ramp_s,
         improvement=model.improvement,
     )
+
+
+def _notes(case: CaseConfig, tower_top_load: TowerTopLoad | None) -> tuple[str, ...]:
+    """What is to be said of the loads."""
+    notes = () if tower_top_load is None else tower_top_load.notes
+    ramp = case.structure.ramp_s
+    if ramp == 0.0:
+        return notes
+    return (*notes, f"loads rise from zero over the first {ramp:g} s, which the results count with the rest")

@@ -11,6 +11,8 @@ import pytest
 from owt_bringup.cli import main
 from owt_campaign.studies.eigen import EigenStudy, eigen_study, quarter_turn_classes, thesis_tables
 from owt_campaign.studies.eigen_page import eigen_page
+from owt_model.errors import InputError
+from owt_model.sensitivity import sensitivity_model
 
 PAGE = Path(__file__).parents[1] / "docs" / "study" / "eigen.md"
 PRINTED_CLASSES = "EEBABEEABA"  # modes 4 and 5 have changed places
@@ -101,6 +103,20 @@ def test_command_prints_the_layout_of_the_print(
     assert (tmp_path / "eigen.md").read_text() == eigen_page(study, printed)
     with pytest.raises(SystemExit):
         main(["study", "no-such-study"])
+
+
+def test_sensitivity_models_on_the_command_line(
+    study: EigenStudy, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("damping", "frequency"):
+        assert main(["eigen", "--model", "oc4-thesis", "--sensitivity", name, "--modes", "20", "--json"]) == 0
+        shown = json.loads(capsys.readouterr().out)
+        assert shown["logdec_percent"] == pytest.approx(study.table_b3[name]["logdec_percent"], rel=1e-9)
+        assert shown["logdec_percent"] != pytest.approx(
+            study.table_b3["reference"]["logdec_percent"], rel=1e-3
+        )
+    with pytest.raises(InputError, match=r"sensitivity = 'none'"):
+        sensitivity_model("none")
 
 
 def test_quarter_turn_would_notice_another_turn(models_mesh) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 
-from owt_model.config import CaseConfig, SeaStateConfig, Stream, StructureConfig, Wave, parse_case
+from owt_model.config import CaseConfig, SeaStateConfig, Stream, StructureConfig, Wave, load_case, parse_case
 from owt_model.errors import InputError
 
 __all__ = ["add_case_flags", "case_from_flags"]
@@ -41,11 +42,14 @@ def _parser_of(annotation: Any) -> type:
 
 
 def add_case_flags(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--duration`` and one flag per entry of FLAGS."""
+    """Declare ``--case``, ``--duration`` and one flag per entry of FLAGS."""
     default = CaseConfig()
     parser.add_argument(
-        "--duration", type=float, default=default.time.duration_s, metavar="S",
-        help=f"simulated time in s (default {default.time.duration_s:g})",
+        "--case", type=Path, metavar="CASE.json", help="case file; flags change what it says"
+    )  # fmt: skip
+    parser.add_argument(
+        "--duration", type=float, default=None, metavar="S",
+        help=f"simulated time in s (default {default.time.duration_s:g}, or that of the case file)",
     )  # fmt: skip
     for flag, (_, name, model) in FLAGS.items():
         field = model.model_fields[name]
@@ -62,19 +66,26 @@ def case_from_flags(options: argparse.Namespace) -> CaseConfig:
     Raises
     ------
     InputError
-        As any case file; and if the duration is not a whole number of time steps.
+        As any case file; if the duration is not a whole number of time steps; if a flag of the sea state is
+        given for a case file whose sea is given otherwise.
     """
-    data: dict[str, dict[str, Any]] = {}
+    changes: dict[str, dict[str, Any]] = {}
     for flag, (section, name, _) in FLAGS.items():
         value = getattr(options, flag)
         if value is not None:
-            data.setdefault(section, {})[name] = value
-    dt = CaseConfig().time.dt_s
-    steps = options.duration / dt
-    if not 2.0 <= steps <= 1e7 or abs(steps - round(steps)) > 1e-6:
-        raise InputError(
-            "duration", options.duration, f"must be a whole number of time steps of {dt:g} s, two at least",
-            "For example 600.",
-        )  # fmt: skip
-    data["time"] = {"n": round(steps)}
-    return parse_case(data)
+            changes.setdefault(section, {})[name] = value
+    base: dict[str, Any] = {}
+    if options.case is not None:
+        base = load_case(options.case).model_dump(mode="json", exclude_unset=True)
+    dt = parse_case({"time": base.get("time", {})}).time.dt_s
+    if options.duration is not None:
+        steps = options.duration / dt
+        if not 2.0 <= steps <= 1e7 or abs(steps - round(steps)) > 1e-6:
+            raise InputError(
+                "duration", options.duration,
+                f"must be a whole number of time steps of {dt:g} s, two at least", "For example 600.",
+            )  # fmt: skip
+        changes.setdefault("time", {})["n"] = round(steps)
+    for section, values in changes.items():
+        base[section] = {**(base.get(section) or {}), **values}
+    return parse_case(base)

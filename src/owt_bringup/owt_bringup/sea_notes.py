@@ -74,6 +74,8 @@ def ignored_options(case: CaseConfig, command: str, mesh: Mesh | None = None) ->
         lines.append("sea_state.cutoff_over_peak without effect: sea_state.cutoff is steepness")
     if command == "loads" and morison.hydrodynamic_damping:
         lines.append("morison.hydrodynamic_damping without effect on loads: it damps the motion of simulate")
+    if command == "loads" and case.wind is not None:
+        lines.append("wind without effect on loads: it acts at the tower top, in simulate and demo")
     if command == "simulate" and morison.buoyancy:
         lines.append("morison.buoyancy without effect on simulate: it is a static load that loads writes")
     if mesh is not None and (morison.end_cd > 0.0 or morison.end_ca > 0.0):

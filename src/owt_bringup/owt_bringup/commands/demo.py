@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owt_model.errors import InputError
+
+if TYPE_CHECKING:
+    from owt_model.config import CaseConfig
 
 HELP = "run the graph for one sea state; the bag folder holds the recording, summary.json and report.html"
 DEFAULT_BAG = Path("bags/demo")
@@ -39,7 +47,13 @@ def run(options: argparse.Namespace) -> int:
     structure.check_water_depth(case.water_depth_m)
     bar = ProgressBar("graph")
     try:
-        result = run_graph(case, options.bag, overwrite=options.bag == DEFAULT_BAG, progress=bar.callback)
+        result = run_graph(
+            case,
+            options.bag,
+            overwrite=options.bag == DEFAULT_BAG,
+            progress=bar.callback,
+            domain_id=_domain_for_others(case),
+        )
     finally:
         bar.close()
     graph_seconds = time.perf_counter() - start
@@ -55,5 +69,18 @@ def run(options: argparse.Namespace) -> int:
             ("report", str(options.bag / "report.html")),
         ]
     )
+    for note in data.reduced.notes:
+        print(f"note: {note}", file=sys.stderr)
     print_warnings(case, structure)
     return 0
+
+
+def _domain_for_others(case: CaseConfig) -> int | None:
+    """ROS domain where somebody publishes a load at the tower top; None for one of the graph's own."""
+    if case.wind is None or case.wind.topic is None:
+        return None
+    domain = os.environ.get("ROS_DOMAIN_ID", "0")
+    if not domain.isdigit():
+        raise InputError("ROS_DOMAIN_ID", domain, "must be a whole number", "Leave it out for domain 0.")
+    print(f"note: waiting for /owt/tower_top_wrench in ROS domain {domain}", file=sys.stderr)
+    return int(domain)

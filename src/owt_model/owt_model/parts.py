@@ -113,7 +113,9 @@ class RigidLink(Frozen):
     joints: tuple[str, ...] = Field(min_length=2)
 
 
-SpringRow = Annotated[tuple[float, ...], Field(min_length=6, max_length=6)]
+#: Beyond it a spring or a dashpot is a support, and sums lose their digits.
+Coefficient = Annotated[float, Field(ge=-1e20, le=1e20)]
+SpringRow = Annotated[tuple[Coefficient, ...], Field(min_length=6, max_length=6)]
 SpringMatrix = Annotated[tuple[SpringRow, ...], Field(min_length=6, max_length=6)]
 
 

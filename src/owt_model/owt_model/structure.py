@@ -157,6 +157,13 @@ class Structure(Frozen):
             for name, part in parts.items():
                 for joint in part.joints:
                     known(f"{table}.{name}.joints", joint, self.joints, "joint")
+        if TOWER_TOP in self.joints:
+            raise InputError(
+                f"joints.{TOWER_TOP}",
+                TOWER_TOP,
+                "is the name of the tower's upper end",
+                "Choose another name.",
+            )
         for name, dashpot in self.dashpots.items():
             for joint in set(dashpot.joints) - {TOWER_TOP}:
                 known(f"dashpots.{name}.joints", joint, self.joints, "joint")

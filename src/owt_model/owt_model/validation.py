@@ -44,10 +44,11 @@ def _named(parts: tuple[int | str, ...]) -> tuple[int | str, ...]:
 def _most_telling(errors: list[Any]) -> Any:
     """The first error; of the alternatives of one field, the one that got furthest into the value."""
     first = errors[0]
-    field = _named(tuple(first["loc"]))
-    if field == tuple(first["loc"]):
+    place = tuple(first["loc"])
+    if _named(place) == place:
         return first
-    same = [error for error in errors if tuple(error["loc"][: len(field)]) == field]
+    shared = next(i for i, part in enumerate(place) if not _named((part,)))
+    same = [error for error in errors if tuple(error["loc"])[:shared] == place[:shared]]
     wrong_type = ("float_type", "int_type", "tuple_type", "string_type")
     return max(same, key=lambda error: (error["type"] not in wrong_type, len(error["loc"])))
 

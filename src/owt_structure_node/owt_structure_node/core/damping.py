@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import LinAlgError, eig
 from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csc_array
 
 from owt_model.contracts import LoadBasis
 from owt_model.errors import ComputationError, InputError
@@ -25,6 +26,7 @@ from owt_model.mesh import Mesh
 from owt_model.structure import TOWER_TOP
 from owt_model.structure_config import Damping
 from owt_structure_node.core.expansion import lever
+from owt_structure_node.core.modes import Factor, dense_modes
 
 __all__ = [
     "DampedModes",
@@ -32,12 +34,16 @@ __all__ = [
     "damped_modes",
     "dashpot_vectors",
     "drag_vectors",
+    "lowest_damped",
     "modal_damping",
     "roots",
+    "with_static_responses",
 ]
 
 #: Share of the largest eigenvalue of G G' below which a direction is round-off.
 _NEGLIGIBLE = 1e-14
+#: Share of its energy that a static response must keep beside the modes to count.
+_DEPENDENT = 1e-10
 
 
 @dataclass(frozen=True)
@@ -64,10 +70,6 @@ class ModalDamping:
     def dashpots(self) -> Float[np.ndarray, "mode direction"] | None:
         """`coupling`, None where nothing couples the modes."""
         return self.coupling if self.coupling.size else None
-
-    def lowest(self, count: int) -> ModalDamping:
-        """Return the damping of the first `count` modes, the others left out."""
-        return ModalDamping(self.rate[:count], self.coupling[:count])
 
 
 @dataclass(frozen=True)
@@ -134,9 +136,12 @@ def _compressed(coupling: Float[np.ndarray, "mode direction"]) -> Float[np.ndarr
 
 def roots(matrix: Float[np.ndarray, "size size"]) -> Float[np.ndarray, "direction size"]:
     """Vectors g of a positive semi-definite matrix sum g g'."""
-    value, vector = np.linalg.eigh(matrix)
+    # On a unit diagonal: translations and rotations have different units.
+    scale = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    inverse = np.divide(1.0, scale, out=np.zeros_like(scale), where=scale > 0.0)
+    value, vector = np.linalg.eigh(matrix * inverse[:, None] * inverse)
     kept = value > _NEGLIGIBLE * max(float(value[-1]), 0.0)
-    return np.asarray((vector[:, kept] * np.sqrt(value[kept])).T)
+    return np.asarray((vector[:, kept] * np.sqrt(value[kept])).T * scale)
 
 
 def dashpot_vectors(
@@ -198,6 +203,65 @@ def drag_vectors(mesh: Mesh, basis: LoadBasis | None) -> Float[np.ndarray, "dire
     rows = np.zeros((len(basis.node), 3, mesh.n_nodes, 6))
     rows[np.arange(len(basis.node)), :, basis.node, :3] = root.transpose(0, 2, 1)
     return np.ascontiguousarray(rows.reshape(-1, 6 * mesh.n_nodes)[value.reshape(-1) > 0.0])
+
+
+def with_static_responses(
+    factor: Factor,
+    stiffness: csc_array,
+    mass: csc_array,
+    modes: tuple[Float[np.ndarray, " mode"], Float[np.ndarray, "dof mode"]],
+    vectors: Float[np.ndarray, "direction dof"],
+) -> tuple[Float[np.ndarray, " more"], Float[np.ndarray, "dof more"]]:
+    """Lowest modes and, in place of all others, the static response to dashpots that they leave out.
+
+    A dashpot inside a jacket acts on motions that its lowest modes hardly have.
+
+    Parameters
+    ----------
+    factor : Factor
+        Of the stiffness.
+    stiffness, mass : sparse [dof, dof]
+    modes : omega^2 [mode] in rad2/s2, shapes [dof, mode]
+        Mass-normalised.
+    vectors : float array [direction, dof]
+        Forces of the dashpots per unit rate.
+    """
+    omega2, shapes = modes
+    left = factor.solve(np.ascontiguousarray(vectors.T))
+    left = left / np.sqrt(np.maximum(np.einsum("dv,dv->v", left, stiffness @ left), 1e-300))
+    left -= shapes @ (shapes.T @ (mass @ left))
+    value, turn = np.linalg.eigh(left.T @ (stiffness @ left))
+    kept = value > _DEPENDENT
+    left = left @ (turn[:, kept] / np.sqrt(value[kept]))
+    left -= shapes @ (shapes.T @ (mass @ left))
+    if not left.shape[1]:
+        return omega2, shapes
+    more, amplitude = dense_modes(left.T @ (stiffness @ left), left.T @ (mass @ left))
+    return np.concatenate([omega2, more]), np.hstack([shapes, left @ amplitude])
+
+
+def lowest_damped(
+    omega_squared: Float[np.ndarray, " mode"], damping: ModalDamping, count: int
+) -> DampedModes:
+    """Free decay of the first `count` of very many modes; of the others their static response to dashpots."""
+    kept, others = slice(0, count), slice(count, None)
+    g, left = damping.coupling, damping.coupling[others]
+    if not left.any():
+        return damped_modes(omega_squared[kept], ModalDamping(damping.rate[kept], g[kept]))
+    # Ritz vectors in the space of the modes left out, where K is diagonal and M is one.
+    own, rate = omega_squared[others], damping.rate[others]
+    vectors = left / own[:, None]
+    vectors, _ = np.linalg.qr(vectors[:, np.einsum("mv,mv->v", vectors, left) > 0.0])
+    more, turn = np.linalg.eigh(vectors.T @ (own[:, None] * vectors))
+    vectors = vectors @ turn
+    found = damped_modes(
+        np.concatenate([omega_squared[kept], more]),
+        ModalDamping(
+            np.concatenate([damping.rate[kept], (vectors**2).T @ rate]),
+            np.concatenate([g[kept], vectors.T @ left]),
+        ),
+    )
+    return DampedModes(found.frequency_hz[kept], found.ratio[kept])
 
 
 def damped_modes(omega_squared: Float[np.ndarray, " mode"], damping: ModalDamping) -> DampedModes:

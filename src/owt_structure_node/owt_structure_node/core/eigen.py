@@ -18,7 +18,13 @@ from owt_model.structure import StaticState, Structure
 from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import Assembly, assemble, element_transformation
 from owt_structure_node.core.auto import Target, chosen_reduction
-from owt_structure_node.core.damping import damped_modes, dashpot_vectors, modal_damping
+from owt_structure_node.core.damping import (
+    DampedModes,
+    damped_modes,
+    dashpot_vectors,
+    modal_damping,
+    with_static_responses,
+)
 from owt_structure_node.core.modes import dense_modes, factorise, lowest_modes
 from owt_structure_node.core.reduction import guyan, reduce
 from owt_structure_node.core.static import weights
@@ -27,7 +33,7 @@ __all__ = ["eigen_report", "log_decrement"]
 
 #: Share of the stiffness that the weights must take in some motion for a buckling factor to mean anything.
 _RELIEF = 1e-9
-#: Modes beyond those asked for that dashpots couple to them.
+#: Modes beyond those asked for that dashpots couple to them; the static response stands for the others.
 _MORE_MODES = 40
 #: What the report calls the modes with the transition piece held.
 FIXED_INTERFACE = "fixed interface"
@@ -121,8 +127,7 @@ def eigen_report(
     if fixed_interface:
         name = FIXED_INTERFACE
     omega2, shapes, size = held if fixed_interface else lowest(assembly)
-    dashpots = (assembly.expansion.T @ dashpot_vectors(assembly.mesh, damping).T).T
-    decay = damped_modes(omega2, modal_damping(omega2, damping, dashpots[:, : len(shapes)] @ shapes))
+    decay = _decay(assembly, name, (omega2, shapes), damping, size)
     decrement = 100.0 * log_decrement(decay.ratio[:n_modes])
     omega2 = omega2[:n_modes]
     report: dict[str, Any] = {
@@ -205,6 +210,37 @@ def _lowest(of: Assembly, reduction: str, basis: LoadBasis | None, n_modes: int)
     reduced = reduce(of, reduction, basis)
     omega2, modes = dense_modes(reduced.stiffness, reduced.mass)
     return omega2, reduced.shapes @ modes, len(reduced.mass)
+
+
+def _decay(
+    assembly: Assembly,
+    reduction: str,
+    modes: tuple[Float[np.ndarray, " mode"], Float[np.ndarray, "dof mode"]],
+    damping: Damping,
+    size: int,
+) -> DampedModes:
+    """Damped decay of the modes; of those that are not known what dashpots need."""
+    omega2, shapes = modes
+    for mode in damping.mode_ratio:
+        if mode >= size:
+            raise InputError(
+                "structure.damping.modes",
+                mode + 1,
+                f"is not one of {size} modes",
+                "Count from 1.",
+            )
+    known = tuple(entry for entry in damping.modes or () if entry[0] <= len(omega2))
+    damping = damping.model_copy(update={"modes": known})
+    n = len(shapes)
+    dashpots = np.asarray((assembly.expansion.T @ dashpot_vectors(assembly.mesh, damping).T).T)[:, :n]
+    if reduction in ("full", FIXED_INTERFACE) and len(omega2) < n and dashpots.any():
+        held = reduction == FIXED_INTERFACE
+        k, m = (
+            (assembly.jacket_stiffness, assembly.jacket_mass) if held else (assembly.stiffness, assembly.mass)
+        )
+        k, m = csc_array(k[:n, :n]), csc_array(m[:n, :n])
+        omega2, shapes = with_static_responses(factorise(k), k, m, modes, dashpots[dashpots.any(axis=1)])
+    return damped_modes(omega2, modal_damping(omega2, damping, dashpots @ shapes))
 
 
 def _hertz(omega_squared: Float[np.ndarray, " mode"]) -> list[float]:

@@ -20,7 +20,9 @@ from scipy.sparse import csc_array
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 from owt_model.reduction_name import ReductionName, parse_reduction
+from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import DOF_NAME, Assembly
+from owt_structure_node.core.damping import dashpot_vectors
 from owt_structure_node.core.modes import Factor, factorise, lowest_modes
 from owt_structure_node.core.mta import Augmentation, augment
 from owt_structure_node.core.sim import StaticImprovement
@@ -139,7 +141,8 @@ def reduce(
 ) -> Reduction:
     """Build the basis of a reduced model and project onto it [eq. 3.55-3.57].
 
-    Vectors that the loads cannot give, or that depend on others, are left out, with a note.
+    Vectors that the loads cannot give, or that depend on others, are left out, with a note. Dashpots inside
+    the jacket add vectors of their own, whatever the reduction.
 
     Parameters
     ----------
@@ -201,7 +204,7 @@ def reduce(
         coordinate_name=_names(assembly, len(omega2), len(sigma2)),
         fixed_interface=omega2,
         pseudo=sigma2,
-        notes=_notes(name, reduction, basis, added),
+        notes=_notes(name, reduction, basis, added, _inner_dashpots(assembly).shape[1]),
         improvement=improvement,
     )
 
@@ -216,8 +219,8 @@ def interface_loads(assembly: Assembly, static: GuyanModel) -> Float[np.ndarray,
 def _augmenting_loads(
     name: ReductionName, assembly: Assembly, static: GuyanModel, basis: LoadBasis | None
 ) -> Float[np.ndarray, "internal load"]:
-    """[F Y] of eq. 3.53; F first, since it matters most."""
-    loads = [np.zeros((assembly.internal, 0))]
+    """[F Y] of eq. 3.53, F first, since it matters most; and what dashpots inside the jacket do to it."""
+    loads = [_inner_dashpots(assembly)]
     if name.load_vectors and basis is not None:
         loads.append(load_vectors(assembly, basis)[: assembly.internal, : name.load_vectors])
     if name.interface_vectors:
@@ -225,12 +228,22 @@ def _augmenting_loads(
     return np.hstack(loads)
 
 
+def _inner_dashpots(assembly: Assembly) -> Float[np.ndarray, "internal direction"]:
+    """Forces of the dashpots inside the jacket, whose static response a basis needs to feel them.
+
+    Low modes alone hold the ends of a dashpot between two braces almost at rest to each other.
+    """
+    vectors = assembly.expansion.T @ dashpot_vectors(assembly.mesh, Damping()).T
+    inside = np.asarray(vectors)[: assembly.internal]
+    return np.ascontiguousarray(inside[:, inside.any(axis=0)])
+
+
 def _notes(
-    name: ReductionName, reduction: str, basis: LoadBasis | None, added: Augmentation
+    name: ReductionName, reduction: str, basis: LoadBasis | None, added: Augmentation, dashpots: int
 ) -> tuple[str, ...]:
     """What became of the vectors that were asked for."""
     given = min(name.load_vectors, 0 if basis is None else len(basis.vectors))
-    asked = (name.load_vectors + 6 * name.interface_vectors) * (name.order + 1)
+    asked = (name.load_vectors + 6 * name.interface_vectors + dashpots) * (name.order + 1)
     reasons = []
     if given < name.load_vectors:
         reasons.append(f"the loads have {given} independent shapes")
@@ -238,10 +251,11 @@ def _notes(
         reasons.append(f"{added.unloaded} of their shapes do not load the inside of the jacket")
     if added.dependent:
         reasons.append(f"{added.dependent} depend on modes or on other vectors")
+    more = (f"{reduction} has {dashpots} more vectors, for dashpots inside the jacket",) if dashpots else ()
     if not reasons:
-        return ()
+        return more
     kept = len(added.sigma_squared)
-    return (f"{reduction} has {kept} of {asked} augmentation vectors: {'; '.join(reasons)}",)
+    return (*more, f"{reduction} has {kept} of {asked} augmentation vectors: {'; '.join(reasons)}")
 
 
 def load_vectors(assembly: Assembly, basis: LoadBasis) -> Float[np.ndarray, "dof vector"]:

@@ -14,9 +14,9 @@ from owt_structure_node.core.assembly import DOF_NAME, Assembly, assemble
 from owt_structure_node.core.auto import Target, chosen_reduction
 from owt_structure_node.core.damping import (
     ModalDamping,
-    damped_modes,
     dashpot_vectors,
     drag_vectors,
+    lowest_damped,
     modal_damping,
 )
 from owt_structure_node.core.energies import SUBSTRUCTURES
@@ -172,7 +172,7 @@ def describe(model: ModalModel, damping: ModalDamping, notes: tuple[str, ...] = 
     """Names, frequencies and damping ratios, of the lowest modes where there are very many; notes of both."""
     mesh, lowest = model.assembly.mesh, slice(0, MAX_REPORTED_MODES)
     top = f"{mesh.node_name[mesh.tower_top]}.{DOF_NAME[0]}"
-    decay = damped_modes(model.omega_squared[lowest], damping.lowest(MAX_REPORTED_MODES))
+    decay = lowest_damped(model.omega_squared, damping, MAX_REPORTED_MODES)
     return ReducedDescription(
         model_name=mesh.structure.name,
         model_hash=mesh.structure.content_hash,

@@ -49,7 +49,7 @@ def tower_top_load(case: CaseConfig, mesh: Mesh, *, live: bool = False) -> Tower
                 "wind.topic",
                 "given",
                 "is read by the running graph only",
-                "Run the nodes, or give wind.series.",
+                "Use ./owt demo --case or the nodes, or give wind.series.",
             )
         return TowerTopLoad(None)
     assert wind.thrust is not None

@@ -15,6 +15,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from owt_campaign.pipeline import CaseBlocks, CaseRun
 from owt_model.config import CaseConfig, parse_case
@@ -167,3 +169,16 @@ def expected_messages(run: CaseRun, blocks: list[CaseBlocks]) -> dict[str, list[
         "/owt/energy": [convert.energy_message(b.energy) for b in blocks],
         "/owt/fatigue": [convert.fatigue_message(b.fatigue) for b in blocks],
     }
+
+
+def read_by_rosbags(bag: Path) -> dict[str, list[Any]]:
+    """All messages of a bag by topic, read with the definitions in the bag."""
+    found: dict[str, list[Any]] = {}
+    with Reader(bag) as reader:
+        store = get_typestore(Stores.EMPTY)
+        for connection in reader.connections:
+            store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
+            found[connection.topic] = []
+        for connection, _, raw in reader.messages():
+            found[connection.topic].append(store.deserialize_cdr(raw, connection.msgtype))
+    return found

@@ -17,10 +17,8 @@ import pytest
 import yaml
 from lifecycle_msgs.msg import Transition
 from owt_msgs.msg import NodeStatus
-from rosbags.rosbag2 import Reader
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from local_graph import assert_messages_equal, expected_messages, short_case
+from local_graph import assert_messages_equal, expected_messages, read_by_rosbags, short_case
 from owt_bringup.domain import own_domain
 from owt_bringup.graph import Timeouts, run_graph
 from owt_bringup.nodes import NODES
@@ -39,19 +37,6 @@ pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
 
 def partial_of(bag: Path) -> Path:
     return bag.with_name(f".{bag.name}.partial")
-
-
-def read_by_rosbags(bag: Path) -> dict[str, list[Any]]:
-    """All messages of a bag by topic, read with the definitions in the bag."""
-    found: dict[str, list[Any]] = {}
-    with Reader(bag) as reader:
-        store = get_typestore(Stores.EMPTY)
-        for connection in reader.connections:
-            store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
-            found[connection.topic] = []
-        for connection, _, raw in reader.messages():
-            found[connection.topic].append(store.deserialize_cdr(raw, connection.msgtype))
-    return found
 
 
 def test_the_bag_holds_the_numbers_of_the_run_in_one_process(tmp_path: Path) -> None:

@@ -70,9 +70,10 @@ class GraphResult:
 
 
 def _stall(case: CaseConfig, limits: Timeouts) -> float:
-    """Longest time in s without progress: at a slow rate, blocks are far apart."""
+    """Longest time in s without progress: blocks may be far apart, a load at the tower top awaited."""
     rate, block = case.stream.rate, case.stream.block * case.time.dt_s
-    return limits.stall + (block / rate if rate > 0.0 else 0.0)
+    outside = case.wind.topic.timeout_s if case.wind is not None and case.wind.topic is not None else 0.0
+    return limits.stall + outside + (block / rate if rate > 0.0 else 0.0)
 
 
 @contextmanager

@@ -322,23 +322,32 @@ def load_structure(model: str) -> Structure:
             "is neither a shipped structure nor a file",
             f"Shipped are: {', '.join(shipped_structures())}.",
         )
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
-        raise InputError(
-            "structure.model", model, "cannot be read as text", "Give a YAML or SubDyn file."
-        ) from None
-    if path.suffix.lower() in (".yaml", ".yml"):
+    is_yaml = path.suffix.lower() in (".yaml", ".yml")
+    text = _text(path, legacy=not is_yaml)
+    if text is None:
+        raise InputError("structure.model", model, "cannot be read as text", "Give a YAML or SubDyn file.")
+    if is_yaml:
         return parse_structure(_yaml(text, model), source=model)
     from owt_model.subdyn import parse_subdyn  # imported here: subdyn builds on this module
 
     def beside(name: str) -> str | None:
-        try:
-            return (path.parent / name.replace("\\", "/")).read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError, ValueError):
-            return None
+        return _text(path.parent / name.replace("\\", "/"), legacy=True)
 
     return parse_subdyn(text, source=model, read=beside)
+
+
+def _text(path: Path, *, legacy: bool) -> str | None:
+    """Text of a file, None where there is none; `legacy` takes comments of any one-byte encoding."""
+    try:
+        data = path.read_bytes()
+        if legacy and b"\0" not in data:
+            try:
+                return data.decode("utf-8-sig")
+            except UnicodeDecodeError:
+                return data.decode("latin-1")
+        return data.decode("utf-8")
+    except (OSError, ValueError):
+        return None
 
 
 def case_structure(config: StructureConfig) -> Structure:

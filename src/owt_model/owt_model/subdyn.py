@@ -1,18 +1,19 @@
 """Import of OpenFAST SubDyn input files: what a frame of circular tubes needs, and nothing silently.
 
 The reader goes by the keyword behind each value, not by line numbers, so that it takes the variants of the
-format: with and without the rigid-body position block, joints of 4 to 10 columns, interface rows of the
-joint alone, with six flags, with the number of the transition piece first or last, concentrated masses of 5
-or 11 columns, comments from ``!`` or ``#`` on, tabs, commas, Fortran's ``1.0d3``.
+format: with and without the rigid-body position block, joints of 4 to 10 columns, reaction and interface rows
+of the joint alone, with six flags, with the number of the transition piece first or last, concentrated masses
+of 5 or 11 columns, tables without a line of units, comments from ``!`` or ``#`` on, tabs, commas, Fortran's
+``1.0d3``. Only the element model and NDiv may lack their keywords.
 
 Imported: joints (cantilever, revolute and spherical ones with their stiffness), reaction joints with their
-flags and soil springs (SSI files), interface joints, members of circular section, tapered ones too, rigid
-links with their mass, spring members between joints on one place, element model (FEMMod 1 or 3), elements
-per member (NDiv), concentrated masses. Anything else that would change the structure is refused by name;
-what only concerns a simulation, and how the file was read where it leaves a choice, is in the structure's
-``notes``. SubDyn's element has rotary inertia, its deck no growth, water or added mass. A deck does not say
-where the transition-piece node is: it is put at the horizontal centroid of the interface joints, at the
-level of the highest.
+flags, soil springs and masses (SSI files), interface joints, members of circular section, tapered ones too,
+rigid links with their mass, spring members between joints on one place, element model (FEMMod 1 or 3),
+elements per member (NDiv), concentrated masses. Anything else that would change the structure is refused by
+name; what only concerns a simulation, and how the file was read where it leaves a choice, is in the
+structure's ``notes``. SubDyn's element has rotary inertia, its deck no growth, water or added mass. A deck
+does not say where the transition-piece node is: it is put at the horizontal centroid of the interface joints,
+at the level of the highest.
 """
 
 from __future__ import annotations
@@ -21,11 +22,15 @@ from collections import ChainMap
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from owt_model.structure import Structure, parse_structure
-from owt_model.subdyn_bodies import add_link_masses, concentrated_masses, joint_springs
+from owt_model.subdyn_bodies import (
+    add_link_masses,
+    add_soil_masses,
+    concentrated_masses,
+    joint_springs,
+)
 from owt_model.subdyn_deck import Deck, Points, Row
+from owt_model.subdyn_soil import read_soil
 
 __all__ = ["parse_subdyn"]
 
@@ -35,10 +40,6 @@ _OTHER_MEMBERS = {
     "2": "a cable",
     "4": "a beam of arbitrary section",
 }
-#: Names of the entries of an SSI file: the upper triangle, column by column.
-_AXES = ("x", "y", "z", "tx", "ty", "tz")
-_SPRING = {f"k{_AXES[i]}{_AXES[j]}": (i, j) for j in range(6) for i in range(j + 1)}
-_SOIL_MASS = {"m" + name[1:] for name in _SPRING}
 
 
 def _no_files(name: str) -> str | None:
@@ -65,7 +66,7 @@ def parse_subdyn(text: str, *, source: str, read: Callable[[str], str | None] = 
     """
     deck = Deck(text, source)
     tables = deck.tables()
-    for keyword, table in (("NJoints", "joints"), ("NMembers", "members"), ("NPropSets", "sections")):
+    for keyword, table in (("NJoints", "joints"), ("NMembers", "members")):
         if not tables.get(table):
             raise deck.refuse(
                 keyword,
@@ -74,23 +75,25 @@ def parse_subdyn(text: str, *, source: str, read: Callable[[str], str | None] = 
                 "Is this a SubDyn input file of tubes?",
             )
     joints, free = _joints(deck, tables["joints"])
-    sections = _sections(deck, tables["sections"])
+    sections = _sections(deck, tables.get("sections", []))
     beams, links, spring_rows = _members(deck, tables["members"], joints, sections)
     if not beams:
-        raise deck.refuse("NMembers", len(links), "are all rigid links", "A structure needs a beam.")
+        count = len(tables["members"])
+        raise deck.refuse("NMembers", count, "are all rigid links or springs", "A structure needs a beam.")
     _release(deck, beams, links, free)
-    supports, springs = _reactions(deck, tables.get("reactions", []), joints, read)
+    supports, springs, soil = _reactions(deck, tables.get("reactions", []), joints, read)
     interface = _interface(deck, tables.get("interface", []), joints)
     places = [joints[name] for name in interface]
     reference = [sum(p[i] for p in places) / len(places) for i in (0, 1)] + [max(p[2] for p in places)]
     masses = concentrated_masses(deck, tables.get("masses", []), joints)
     add_link_masses(deck, tables.get("rigid", []), links, joints, masses)
+    add_soil_masses(soil, masses)
     return parse_structure(
         {
             "name": source,
             "description": "Imported from a SubDyn input file",
             "sources": [source],
-            "notes": _notes(deck, reference, free=not (supports or springs)),
+            "notes": _notes(deck, tables["members"], reference, free=not (supports or springs)),
             "beam": _element_model(deck),
             "rotary_inertia": True,
             "elements_per_member": _subdivision(deck),
@@ -117,12 +120,14 @@ def _sections_of(beam: dict[str, Any]) -> list[str]:
     return [beam[key] for key in ("section", "section_last") if key in beam]
 
 
-def _notes(deck: Deck, reference: list[float], *, free: bool) -> list[str]:
+def _notes(deck: Deck, members: list[Row], reference: list[float], *, free: bool) -> list[str]:
     """What the deck holds that is no part of the structure, or that it leaves open."""
     place = ", ".join(f"{x:g}" for x in reference)
     notes = [f"position of the transition piece, which a deck does not hold: taken as ({place}) m"]
     if free:
-        notes.append("NReact is 0: only modes with the interface held")
+        notes.append("NReact holds no joint: only modes with the interface held")
+    if "mdivsize" in deck.header(members) and any(len(row.tokens) > 7 for row in members):
+        notes.append("MDivSize (size of elements): every member has NDiv elements")
     for keyword, what in (
         ("JDampings", "damping ratios of its modes"),
         ("GuyanDampMod", "damping of its static modes"),
@@ -136,7 +141,7 @@ def _notes(deck: Deck, reference: list[float], *, free: bool) -> list[str]:
 
 
 def _element_model(deck: Deck) -> str:
-    row = deck.keyword("FEMMod")
+    row = deck.keyword("FEMMod") or deck.below("FEA", 1)
     if row is None:
         raise deck.refuse("FEMMod", "nothing", "is missing", "Is this a SubDyn input file?")
     model = deck.integer(row.tokens[0], "FEMMod", row.line)
@@ -152,7 +157,7 @@ def _element_model(deck: Deck) -> str:
 
 
 def _subdivision(deck: Deck) -> int:
-    row = deck.keyword("NDiv")
+    row = deck.keyword("NDiv") or deck.below("FEA", 2)
     if row is None:
         raise deck.refuse("NDiv", "nothing", "is missing", "Is this a SubDyn input file?")
     count = deck.integer(row.tokens[0], "NDiv", row.line)
@@ -279,58 +284,35 @@ def _members(
 
 def _reactions(
     deck: Deck, rows: list[Row], joints: Points, read: Callable[[str], str | None]
-) -> tuple[dict[str, list[bool]], dict[str, Any]]:
-    """Fixed directions, and soil springs."""
+) -> tuple[dict[str, list[bool]], dict[str, Any], dict[str, list[float]]]:
+    """Fixed directions, soil springs, and masses of the soil; a joint without any is held by nothing."""
     names = ("RctTDXss", "RctTDYss", "RctTDZss", "RctRDXss", "RctRDYss", "RctRDZss")
     supports: dict[str, list[bool]] = {}
     springs: dict[str, Any] = {}
+    masses: dict[str, list[float]] = {}
+    seen: set[str] = set()
     for row in rows:
         name = deck.identifier(row, "RJointID", "J")
-        deck.new(name, {**supports, **springs}, "RJointID", row.line)
+        deck.new(name, seen, "RJointID", row.line)
         deck.known(name, joints, "RJointID", row.line)
-        flags = deck.flags(row, names)
+        seen.add(name)
+        flags = deck.flags(row, names) if len(row.tokens) > 1 else [True] * 6  # SubDyn: the joint alone
         if len(flags) < 6:
             raise deck.refuse(names[len(flags)], "nothing", "is missing", "Give six flags.", row.line)
         file = row.tokens[7].strip("\"' ") if len(row.tokens) > 7 else ""
-        if file.lower() not in ("", "none", "unused"):
-            springs[name] = {"stiffness": _soil(deck, file, row.line, read)}
-        elif not any(flags):
-            raise deck.refuse("RctTDXss", 0, "leaves the joint free in all directions", "Fix some.", row.line)
+        if file.lower() not in ("", "none", "unused") and not all(flags):  # SubDyn: not read when all fixed
+            stiffness, masses[name] = read_soil(deck, file, row.line, read)
+            springs[name] = {"stiffness": stiffness}
         if any(flags):
             supports[name] = flags
-    return supports, springs
-
-
-def _soil(deck: Deck, file: str, line: int, read: Callable[[str], str | None]) -> list[list[float]]:
-    """Stiffness matrix of an SSI file: lines of value and name, symmetric, zero where nothing is given."""
-    text = read(file)
-    if text is None:
-        raise deck.refuse("SSIfile", file, "cannot be read", "Put it beside the deck.", line)
-    soil = Deck(text, file)
-    matrix = np.zeros((6, 6))
-    given = False
-    for row in soil.rows:
-        name = row.tokens[1].lower() if len(row.tokens) > 1 else ""
-        if name in _SOIL_MASS and soil.number(row.tokens[0], name, row.line) != 0.0:
-            raise soil.refuse(
-                row.tokens[1], row.tokens[0], "is not supported", "Use a concentrated mass.", row.line
-            )
-        if name in _SPRING:
-            i, j = _SPRING[name]
-            matrix[i, j] = matrix[j, i] = soil.number(row.tokens[0], row.tokens[1], row.line)
-            given = True
-    if not given:
-        raise deck.refuse("SSIfile", file, "holds no stiffness", "Give lines like `1e9 Kxx`.", line)
-    rows: list[list[float]] = matrix.tolist()
-    return rows
+    return supports, springs, masses
 
 
 def _interface(deck: Deck, rows: list[Row], joints: Points) -> list[str]:
     if not rows:
         raise deck.refuse("NInterf", 0, "must be at least 1", "Name the joints of the transition piece.")
     names = ("ItfTDXss", "ItfTDYss", "ItfTDZss", "ItfRDXss", "ItfRDYss", "ItfRDZss")
-    interface: dict[str, None] = {}
-    pieces = set()
+    interface: dict[str, str | None] = {}
     second = deck.header(rows)[1:2] == ["tpid"]  # newer files name the transition piece before the flags
     for row in rows:
         name = deck.identifier(row, "IJointID", "J")
@@ -347,9 +329,12 @@ def _interface(deck: Deck, rows: list[Row], joints: Points) -> list[str]:
                 "A partly free interface is not supported.",
                 row.line,
             )
-        if n == 2 or n >= 8:
-            pieces.add(row.tokens[1 if n == 2 or first == 2 else 7])
-        interface[name] = None
+        numbered = n == 2 or n >= 8
+        interface[name] = row.tokens[1 if n == 2 or first == 2 else 7] if numbered else None
+    pieces = sorted({piece for piece in interface.values() if piece is not None})
+    if len(pieces) > 1 and "0" in pieces:  # the point that a floating structure's motion refers to
+        pieces.remove("0")
+        interface = {name: piece for name, piece in interface.items() if piece != "0"}
     if len(pieces) > 1:
-        raise deck.refuse("TPID", sorted(pieces), "must be one transition piece", "Import one at a time.")
+        raise deck.refuse("TPID", pieces, "must be one transition piece", "Import one at a time.")
     return list(interface)

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from owt_model.subdyn_deck import Deck, Points, Row
 
-__all__ = ["add_link_masses", "concentrated_masses", "joint_springs"]
+__all__ = ["add_link_masses", "add_soil_masses", "concentrated_masses", "joint_springs"]
 
 
 def concentrated_masses(deck: Deck, rows: list[Row], joints: Points) -> dict[str, Any]:
@@ -53,6 +53,13 @@ def add_link_masses(
             masses[ends[0]] = _joined(masses.get(ends[0]), mass, rod, 0.5 * along)
 
 
+def add_soil_masses(soil: dict[str, list[float]], masses: dict[str, Any]) -> None:
+    """Add mass and moments of inertia of the soil files to the bodies at their joints."""
+    for joint, (mass, *inertia) in soil.items():
+        if mass > 0.0 or any(inertia):
+            masses[joint] = _joined(masses.get(joint), mass, np.diag(inertia), np.zeros(3))
+
+
 def _joined(
     body: dict[str, Any] | None,
     mass: float,
@@ -66,7 +73,7 @@ def _joined(
         own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         parts.append((body["mass_kg"], own, np.array(body["offset_m"])))
     total = sum(m for m, _, _ in parts)
-    centre = sum((m * r for m, _, r in parts), np.zeros(3)) / total
+    centre = sum((m * r for m, _, r in parts), np.zeros(3)) / (total or 1.0)
     whole = np.zeros((3, 3))
     for m, own, r in parts:
         d = r - centre

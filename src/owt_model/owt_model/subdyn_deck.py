@@ -92,13 +92,25 @@ class Deck:
             count = self.integer(row.tokens[0], row.tokens[1], row.line)
             if count < 0:
                 raise self.refuse(row.tokens[1], count, "must be at least 0", "Check the file.", row.line)
-            first = i + 3  # two lines of column names and units
+            first = i + 2 if self._numeric(i + 2) else i + 3  # the oldest files have no line of units
             if first + count > len(self.rows):
                 raise self.refuse(
                     row.tokens[1], count, "is more rows than the file has", "Check the file.", row.line
                 )
             found[name] = self.rows[first : first + count]
         return found
+
+    def _numeric(self, index: int) -> bool:
+        """Whether the line of this index starts with a number."""
+        tokens = self.rows[index].tokens if index < len(self.rows) else []
+        return bool(tokens) and _NUMBER.fullmatch(tokens[0]) is not None
+
+    def below(self, title: str, place: int) -> Row | None:
+        """Return the row at this place below the section with `title`, if it starts with a number."""
+        for i, line in enumerate(self.titles[2:], start=2):
+            if line.startswith("---") and title in line:
+                return self.rows[i + place] if self._numeric(i + place) else None
+        return None
 
     def identifier(self, row: Row, field: str, prefix: str, column: int = 0) -> str:
         """Read a whole number and name it: a joint J1, a member M1."""
@@ -136,4 +148,6 @@ class Deck:
 
     def header(self, rows: list[Row]) -> list[str]:
         """Column names of a table, in lower case."""
-        return [token.lower() for token in self.rows[rows[0].line - 3].tokens]
+        above = rows[0].line - 3
+        row = self.rows[above + 1 if self._numeric(above) else above]  # the count stands there
+        return [token.lower() for token in row.tokens]

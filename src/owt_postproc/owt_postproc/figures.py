@@ -42,7 +42,8 @@ def all_figures(data: ReportData) -> list[Figure]:
     figures = [_elevation(data), _shear(data)]
     if data.tower_top is not None:
         figures.append(_tower_top(data))
-    figures += [_stress(data), _spectrum(data), _energy(data), damage_bars(data), exceedance(data)]
+    shown = (_stress(data), _spectrum(data), _energy(data), damage_bars(data), exceedance(data))
+    figures += [figure for figure in shown if figure is not None]
     if data.geometry is not None:
         figures.append(jacket(data, data.geometry))
     return figures
@@ -154,9 +155,12 @@ def _record(key: str, title: str, unit: str, data: ReportData, lines: list[Line]
     return Figure(key, title, caption, traces, look_of_all)
 
 
-def _spectrum(data: ReportData) -> Figure:
+def _spectrum(data: ReportData) -> Figure | None:
+    """None of a record so short that it has no frequency in the range shown."""
     result = spectrum(1e-6 * data.stress_normal, float(data.time[1] - data.time[0]))
     shown = result.frequency <= TOP_HZ
+    if np.count_nonzero(shown) < 2:
+        return None
     f, density = result.frequency[shown], result.density[shown]
     high = float(density.max()) or 1.0
     density = np.maximum(density, 1e-30 * high)

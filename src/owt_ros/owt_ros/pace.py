@@ -56,6 +56,10 @@ class Patience:
         self.limit_s, self._clock = limit_s, clock
         self._since: float | None = None
 
+    def restart(self) -> None:
+        """Begin anew: what was waited for has moved."""
+        self._since = None
+
     def is_over(self, *, waiting: bool) -> bool:
         """Tell whether the wait has been too long; a wait begins with the first call that says so."""
         if not waiting:

@@ -55,6 +55,7 @@ class StructureNode(StageNode):
     def announce(self) -> None:
         """Watch over what comes from outside while the node is active."""
         if self._wrench is not None:
+            self._patience.restart()
             self.every(0.25 * self._patience.limit_s, self._watch)
 
     def _watch(self) -> None:
@@ -77,6 +78,7 @@ class StructureNode(StageNode):
     def _on_wrench(self, message: Any) -> None:
         assert self._wrench is not None
         self._wrench.add(*decode.to_wrench(message))
+        self._patience.restart()
         self.advance()
 
     def _check_hash(self, message: Any, topic: Topic) -> None:

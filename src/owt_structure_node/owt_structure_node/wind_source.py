@@ -57,7 +57,8 @@ def tower_top_load(case: CaseConfig, mesh: Mesh, *, live: bool = False) -> Tower
         raise InputError(
             "wind.thrust", "given", f"needs a tower, {mesh.structure.name} has none", "Give wind.series."
         )
-    return thrust_load(wind.thrust, dt=case.time.dt_s, n=case.time.n)
+    top = float(mesh.node_position[mesh.tower_top, 2])
+    return thrust_load(wind.thrust, tower_top_z=top, dt=case.time.dt_s, n=case.time.n)
 
 
 def read_wrench(path: Path) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray, "row 6"]]:

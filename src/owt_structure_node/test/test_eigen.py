@@ -6,9 +6,10 @@ import json
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from owt_model.config import Damping
-from owt_model.errors import InputError
+from owt_model.errors import ComputationError, InputError
 from owt_model.mesh import build_mesh
 from owt_structure_node import kernels
 from owt_structure_node.core.assembly import assemble
@@ -35,6 +36,29 @@ def test_full_report_is_the_dense_solution(models):
     held = eigen_report(models.frame(), fixed_interface=True)
     assert held["frequencies_hz"] == held["fixed_interface_frequencies_hz"]
     assert held["frequencies_hz"][0] > 1.5 * report["frequencies_hz"][0]
+
+
+def chain():
+    """Three masses on springs of 1, two of them with a stub of next to no mass behind a stiff spring."""
+    stiff = 1e8
+    k = np.diag([2.0, 2.0 + stiff, 1.0 + stiff, stiff, stiff])
+    for i, j, spring in ((0, 1, 1.0), (1, 2, 1.0), (2, 3, stiff), (1, 4, stiff)):
+        k[i, j] = k[j, i] = -spring
+    return k, np.diag([1.0, 1.0, 1.0, 1e-10, 1e-10])
+
+
+def test_low_modes_survive_stiff_stubs_of_no_mass():
+    """omega^2 of the chain is 4 sin^2((2 n - 1) pi/14), of the stubs 1e18, whose round-off is 100."""
+    k, m = chain()
+    exact = 4.0 * np.sin((2.0 * np.arange(1, 4) - 1.0) * np.pi / 14.0) ** 2
+    values, shapes = dense_modes(k, m)
+    assert np.abs(values[:3] / exact - 1.0).max() < 1e-6  # digits of 1 in 1e8
+    assert values[3:] == pytest.approx(1e18, rel=1e-6)
+    assert np.abs(shapes.T @ m @ shapes - np.eye(5)).max() < 1e-8
+    # Negative control: one eigenvalue problem for all.
+    assert np.abs(eigh(k, m)[0][:3] / exact - 1.0).max() > 1.0
+    with pytest.raises(ComputationError, match="singular"):
+        dense_modes(k - np.diag([1.0, 1.0, 1.0, 0.0, 0.0]), m)
 
 
 def test_reductions_in_the_report(models):

@@ -231,7 +231,7 @@ def test_short_records_and_excursions_are_noted():
         (lambda: Rotor(diameter=0.0), "rotor.diameter", "> 0"),
         (lambda: Rotor(damping=-1.0), "rotor.damping", ">= 0"),
         (lambda: Rotor(air_density=float("inf")), "rotor.air_density", ">= 0"),
-        (lambda: Rotor(hub_height=60.0), "rotor.hub_height", "half the diameter"),
+        (lambda: Rotor(hub_height=60.0), "rotor.diameter", "twice the height"),
         (lambda: Rotor(rated_speed=26.0), "rotor.rated_speed", "cut-out"),
         (lambda: Rotor(thrust_coefficient=1.0), "rotor.thrust_coefficient", "8/9"),
         (lambda: Rotor(tower_distance=2.0), "rotor.tower_distance", "tower diameter"),

@@ -19,6 +19,10 @@ Modes = tuple[Float[np.ndarray, " mode"], Float[np.ndarray, "dof mode"]]
 _SMALLEST_PIVOT = 1e-14
 #: Systems up to this size are solved densely: faster there, and every mode is within reach.
 _DENSE = 300
+#: Relative round-off of the lowest omega^2 from which on it is computed apart from the highest.
+_LOST = 1e-4
+#: Largest product in the mass of two modes that are computed apart.
+_SHARED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -150,15 +154,51 @@ def dense_modes(stiffness: Float[np.ndarray, "dof dof"], mass: Float[np.ndarray,
     Raises
     ------
     ComputationError
-        If the mass or the stiffness is not positive definite.
+        If the mass or the stiffness is not positive definite to working accuracy.
     """
     try:
         values, shapes = eigh(stiffness, mass)
     except (LinAlgError, ValueError) as error:
         raise ComputationError(f"the mass matrix is not positive definite ({error})") from None
-    if len(values) and not values[0] > 0.0:
-        raise ComputationError(_singular(None))
+    if len(values) and not np.finfo(float).eps * values[-1] < _LOST * values[0]:
+        values, shapes = _wide(stiffness, mass, values, shapes)
     return values, _positive(shapes)
+
+
+def _wide(
+    stiffness: Float[np.ndarray, "dof dof"],
+    mass: Float[np.ndarray, "dof dof"],
+    values: Float[np.ndarray, " mode"],
+    shapes: Float[np.ndarray, "dof mode"],
+) -> Modes:
+    """Modes of a spectrum so wide that the lowest ones drown in the round-off of the highest.
+
+    Stiff members of next to no mass make it. The highest modes are those given; the lowest come from
+    M x = K x / omega^2, whose round-off is that of the lowest.
+
+    Raises
+    ------
+    ComputationError
+        If the stiffness is not positive definite, or the two sets do not fit together.
+    """
+    try:
+        flexibility, low = eigh(mass, stiffness)
+    except (LinAlgError, ValueError):
+        raise ComputationError(_singular(None)) from None
+    flexibility, low = flexibility[::-1], low[:, ::-1]
+    split = np.sqrt(flexibility[0] / max(values[-1], 1e-300))
+    count = int(np.count_nonzero(flexibility > split))
+    low = low[:, :count]
+    low = low / np.sqrt(np.einsum("di,di->i", low, mass @ low))
+    high = shapes[:, count:]
+    shared = low.T @ (mass @ high)
+    if np.abs(shared).max(initial=0.0) > _SHARED:
+        raise ComputationError(
+            "the lowest and the highest modes cannot be told apart to working accuracy: the structure has "
+            "members of very different stiffness or mass. Check sections and densities."
+        )
+    lowest = np.einsum("di,di->i", low, stiffness @ low)
+    return np.concatenate([lowest, values[count:]]), np.hstack([low, high - low @ shared])
 
 
 def _positive(shapes: Float[np.ndarray, "dof mode"]) -> Float[np.ndarray, "dof mode"]:

@@ -97,8 +97,8 @@ class Rotor:
             if value == 0.0 and field.name not in {"hub_above_top", "damping", "tower_diameter"}:
                 raise InputError(f"rotor.{field.name}", value, "must be > 0", f"Use {field.default}.")
         if not self.hub_height > 0.5 * self.diameter:
-            limit = f"must be above half the diameter of {self.diameter:g} m"
-            raise InputError("rotor.hub_height", self.hub_height, limit, "Raise the hub.")
+            limit = f"must be below twice the height of the hub over the water, {self.hub_height:g} m"
+            raise InputError("rotor.diameter", self.diameter, limit, "Raise the hub.")
         if not self.cut_in < self.rated_speed < self.cut_out:
             limit = f"must lie between cut-in ({self.cut_in:g}) and cut-out ({self.cut_out:g} m/s)"
             raise InputError("rotor.rated_speed", self.rated_speed, limit, "Use 10.5.")

@@ -21,7 +21,6 @@ __all__ = ["TowerTopLoad", "WrenchSamples", "beside", "thrust_load", "turned"]
 #: What the case calls the fields of the rotor.
 ROTOR = {
     "diameter": "diameter_m",
-    "hub_height": "hub_height_m",
     "hub_above_top": "hub_above_top_m",
     "cut_in": "cut_in_m_s",
     "rated_speed": "rated_speed_m_s",
@@ -87,7 +86,7 @@ def beside(load: LoadBlock, wrench: Float[np.ndarray, "sample 6"]) -> WrenchBloc
     )
 
 
-def thrust_load(options: ThrustConfig, *, dt: float, n: int) -> TowerTopLoad:
+def thrust_load(options: ThrustConfig, *, tower_top_z: float, dt: float, n: int) -> TowerTopLoad:
     """Thrust of a simple rotor and its aerodynamic damping.
 
     The motion of the hub along the wind meets the damping c of the rotor: C = c d d', d the force and moment
@@ -97,6 +96,8 @@ def thrust_load(options: ThrustConfig, *, dt: float, n: int) -> TowerTopLoad:
     ----------
     options : ThrustConfig
         Wind and rotor.
+    tower_top_z : float
+        Level of the tower top above still water in m; the hub is `hub_above_top_m` higher.
     dt, n : float, int
         Load step in s and number of samples.
 
@@ -115,12 +116,12 @@ def thrust_load(options: ThrustConfig, *, dt: float, n: int) -> TowerTopLoad:
         seed=options.seed,
     )
     try:
-        rotor = Rotor(**{name: getattr(options.rotor, given) for name, given in ROTOR.items()})
+        given = {name: getattr(options.rotor, key) for name, key in ROTOR.items()}
+        rotor = Rotor(hub_height=tower_top_z + options.rotor.hub_above_top_m, **given)
         found = rotor_thrust(rotor, wind, dt=dt, n=n)
     except InputError as error:
-        raise InputError(
-            FIELDS.get(error.field, error.field), error.value, error.limit, error.remedy
-        ) from None
+        field, value = FIELDS.get(error.field, error.field), error.value
+        raise InputError(field, value, error.limit, error.remedy) from None
     unit = tower_top_wrench(np.ones(1), direction_deg=wind.direction_deg, hub_above_top=rotor.hub_above_top)
     damped = options.aerodynamic_damping and found.damping > 0.0
     dashpots = np.sqrt(found.damping) * unit if damped else np.zeros((0, 6))

@@ -323,17 +323,17 @@ def load_structure(model: str) -> Structure:
             f"Shipped are: {', '.join(shipped_structures())}.",
         )
     is_yaml = path.suffix.lower() in (".yaml", ".yml")
-    text = _text(path, legacy=not is_yaml)
-    if text is None:
+    given = _text(path, legacy=not is_yaml)
+    if given is None:
         raise InputError("structure.model", model, "cannot be read as text", "Give a YAML or SubDyn file.")
     if is_yaml:
-        return parse_structure(_yaml(text, model), source=model)
+        return parse_structure(_yaml(given, model), source=model)
     from owt_model.subdyn import parse_subdyn  # imported here: subdyn builds on this module
 
     def beside(name: str) -> str | None:
         return _text(path.parent / name.replace("\\", "/"), legacy=True)
 
-    return parse_subdyn(text, source=model, read=beside)
+    return parse_subdyn(given, source=model, read=beside)
 
 
 def _text(path: Path, *, legacy: bool) -> str | None:

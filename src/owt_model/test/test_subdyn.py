@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from owt_model.errors import InputError
+from owt_model.structure import load_structure
 from owt_model.subdyn import parse_subdyn
 
 DECK = (Path(__file__).parents[3] / "test" / "data" / "structure" / "tripod.dat").read_text(encoding="utf-8")

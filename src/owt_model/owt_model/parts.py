@@ -113,10 +113,14 @@ class RigidLink(Frozen):
     joints: tuple[str, ...] = Field(min_length=2)
 
 
-#: Beyond it a spring or a dashpot is a support, and sums lose their digits.
+#: Beyond it a spring is a support, and sums lose their digits.
 Coefficient = Annotated[float, Field(ge=-1e20, le=1e20)]
 SpringRow = Annotated[tuple[Coefficient, ...], Field(min_length=6, max_length=6)]
 SpringMatrix = Annotated[tuple[SpringRow, ...], Field(min_length=6, max_length=6)]
+#: Beyond it a dashpot holds like a support, and weaker ones lose their digits beside it.
+Damper = Annotated[float, Field(ge=-1e15, le=1e15)]
+DashpotRow = Annotated[tuple[Damper, ...], Field(min_length=6, max_length=6)]
+DashpotMatrix = Annotated[tuple[DashpotRow, ...], Field(min_length=6, max_length=6)]
 
 
 def _six_by_six(given: SpringRow | SpringMatrix) -> SpringMatrix:
@@ -172,7 +176,7 @@ class Dashpot(Frozen):
     joints: Annotated[tuple[str, ...], Field(min_length=1, max_length=2)] = Field(
         description="one or two joints, or tower_top"
     )
-    damping: SpringRow | SpringMatrix = Field(
+    damping: DashpotRow | DashpotMatrix = Field(
         description="six coefficients (x, y, z in N s/m, about x, y, z in N m s/rad) or a symmetric 6 x 6 "
         "matrix"
     )

@@ -38,6 +38,7 @@ from owt_model.parts import (
     Tower,
 )
 from owt_model.structure_config import StructureConfig
+from owt_model.structure_names import TOWER_TOP, check_names
 from owt_model.validation import Frozen, input_error
 
 __all__ = [
@@ -62,10 +63,6 @@ __all__ = [
     "parse_structure",
     "shipped_structures",
 ]
-
-
-#: Name of the tower's upper end in `dashpots`; the transition piece where there is no tower.
-TOWER_TOP = "tower_top"
 
 
 class Structure(Frozen):
@@ -123,6 +120,7 @@ class Structure(Frozen):
 
     @model_validator(mode="after")
     def _consistent(self) -> Structure:
+        check_names(self.joints, self.members, self.elements_per_member, self.tower)
         self._check_references()
         self._check_geometry()
         if self.rotor_nacelle is not None and self.tower is None:
@@ -157,13 +155,6 @@ class Structure(Frozen):
             for name, part in parts.items():
                 for joint in part.joints:
                     known(f"{table}.{name}.joints", joint, self.joints, "joint")
-        if TOWER_TOP in self.joints:
-            raise InputError(
-                f"joints.{TOWER_TOP}",
-                TOWER_TOP,
-                "is the name of the tower's upper end",
-                "Choose another name.",
-            )
         for name, dashpot in self.dashpots.items():
             for joint in set(dashpot.joints) - {TOWER_TOP}:
                 known(f"dashpots.{name}.joints", joint, self.joints, "joint")

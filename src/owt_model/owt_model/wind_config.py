@@ -44,7 +44,9 @@ class RotorConfig(Frozen):
     """A three-bladed upwind rotor; the defaults are a generic machine of 4 MW."""
 
     diameter_m: Positive = Field(130.0, description="rotor diameter in m")
-    hub_above_top_m: NonNegative = Field(2.0, description="height of the hub above the tower top in m")
+    hub_above_top_m: float = Field(
+        2.0, ge=0.0, le=100.0, description="height of the hub above the tower top in m"
+    )
     cut_in_m_s: Positive = Field(4.0, description="lowest wind speed of operation in m/s")
     rated_speed_m_s: Positive = Field(10.5, description="wind speed from which the power is constant, in m/s")
     cut_out_m_s: Positive = Field(25.0, description="highest wind speed of operation in m/s")

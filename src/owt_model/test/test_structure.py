@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,23 @@ def change(**values: Any) -> Callable[[dict[str, Any]], None]:
     return lambda data: data.update(values)
 
 
+def rename(old: str, new: str) -> Callable[[dict[str, Any]], None]:
+    """Give a joint another name, wherever it is named."""
+
+    def changed(data: dict[str, Any]) -> None:
+        text = json.dumps(data).replace(f'"{old}"', f'"{new}"')
+        data.clear()
+        data.update(json.loads(text))
+
+    return changed
+
+
+TAKEN = ("TP", "tower_top", "AB.1", "AB:A")
 REFUSED = [
+    *(
+        (rename("B", name), f"joints.{name}", "name of another node")
+        for name in ("TP", "tower_top", "AB.1", "AB:A")
+    ),
     (change(unknown=1), "unknown", "not a known key"),
     (change(supports={}), "supports", "at least one"),
     (change(supports={"Z": [True] * 6}), "supports", "not a joint"),

@@ -95,7 +95,8 @@ def read_wrench(path: Path) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray
     place = [0 if name == "time_s" else 1 + COLUMNS.index(name) for name in names]
     for i, (entries, (number, line)) in enumerate(zip(table[1:], numbered[1:], strict=True)):
         try:
-            values = [float(entry) for entry in entries]
+            # Python takes 1_000 for a number, other readers do not.
+            values = [] if "_" in line else [float(entry) for entry in entries]
         except ValueError:
             values = []
         if len(values) != len(names) or not all(map(math.isfinite, values)):

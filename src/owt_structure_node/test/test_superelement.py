@@ -7,11 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import lu_factor, lu_solve
+from scipy.sparse import csr_array
 
 from owt_model.errors import InputError
 from owt_model.mesh import build_mesh
+from owt_model.structure_config import Damping
 from owt_structure_node.core import superelement_response
 from owt_structure_node.core.assembly import assemble
+from owt_structure_node.core.damping import damped_modes
+from owt_structure_node.core.eigen import eigen_report, log_decrement
 from owt_structure_node.core.reduction import guyan, reduce
 from owt_structure_node.core.stage import build_response_model, initial_state, step
 from owt_structure_node.core.superelement import (
@@ -218,12 +222,29 @@ def test_dashpots_on_the_jacket_are_part_of_it(frame) -> None:
     node = frame.mesh.node_name.index("b1")
     motion[0, node, 0] = 300.0
     motion[1, frame.mesh.tower_top, 0] = 300.0
-    element = element_of(frame, dashpots=motion.reshape(2, -1))
+    element = element_of(frame, dashpots=csr_array(motion.reshape(2, -1)))
     added = element.damping - element_of(frame).damping
     reduced = reduce(frame, "CB06")
     g = 300.0 * (frame.expansion @ reduced.shapes[:, :12])[6 * node]
     close(added, np.outer(g, g), 1e-6)
     assert np.linalg.matrix_rank(added, tol=1e-6 * np.abs(added).max()) == 1  # the tower's is not in it
+    joined = motion[:1].copy()
+    joined[0, frame.mesh.tower_top, 0] = -300.0
+    with pytest.raises(InputError, match="join jacket and tower"):
+        element_of(frame, dashpots=csr_array(joined.reshape(1, -1)))
+
+
+def test_dashpots_on_the_tower_go_with_it(models, frame) -> None:
+    """The decrements of file and tower are those of the reduced model with the tower's dashpots."""
+    top = {"D": {"joints": ["tower_top"], "damping": [2e4, 1e4, 0, 0, 0, 0]}}
+    damped = assemble(build_mesh(models.frame(dashpots=top)))
+    attached = attach(element_of(frame), damped, alpha=ALPHA, beta=BETA)
+    modes = decouple(attached.stiffness, attached.mass, attached.damping)
+    found = log_decrement(damped_modes(modes.omega_squared, modes.damping).ratio)[:4]
+    report = eigen_report(damped.mesh.structure, "CB06", damping=Damping(alpha=ALPHA, beta=BETA), n_modes=4)
+    assert 100.0 * found == pytest.approx(report["logdec_percent"], rel=1e-6)
+    bare = eigen_report(frame.mesh.structure, "CB06", damping=Damping(alpha=ALPHA, beta=BETA), n_modes=4)
+    assert 100.0 * found[0] != pytest.approx(bare["logdec_percent"][0], rel=0.1)
 
 
 @pytest.mark.parametrize(

@@ -125,10 +125,8 @@ def _element(
     case: CaseConfig, assembly: Assembly, stage: WaveStage, *, elevation: bool
 ) -> tuple[Superelement, tuple[str, ...]]:
     """Reduce the jacket and project the loads of the record, block by block."""
-    import numpy as np
-
     from owt_structure_node.core.auto import Target, chosen_reduction
-    from owt_structure_node.core.damping import dashpot_vectors, drag_vectors
+    from owt_structure_node.core.damping import above_interface, all_vectors
     from owt_structure_node.core.stage import n_mta
     from owt_structure_node.core.superelement import jacket_superelement
 
@@ -137,8 +135,8 @@ def _element(
     target = Target(structure.tolerance, structure.damping, case.time.dt_s)
     reduced, notes = chosen_reduction(assembly, structure.reduction, basis, target)
     alpha, beta = structure.damping.rayleigh
-    own = structure.damping.model_copy(update={"tower_top": None})
-    dashpots = np.concatenate([dashpot_vectors(mesh, own), drag_vectors(mesh, basis)])
+    dashpots = all_vectors(mesh, structure.damping, basis)
+    on_tower, below = above_interface(mesh, dashpots)
     loads, surface = _loads(stage, assembly, reduced, elevation=elevation)
     place = ", ".join(f"{x:g}" for x in mesh.node_position[mesh.transition_piece])
     element = jacket_superelement(
@@ -153,13 +151,13 @@ def _element(
         comments=(
             f"{mesh.structure.name} {mesh.structure.content_hash[:12]}, reduction {reduced.name}, SI units",
             f"Interface at ({place}) m: surge, sway, heave, roll, pitch, yaw; z up from still water",
-            f"Damping alpha {alpha:g} 1/s, beta {beta:g} s{' and dashpots' if len(dashpots) else ''}",
+            f"Damping alpha {alpha:g} 1/s, beta {beta:g} s{' and dashpots' if below.any() else ''}",
             "Transition piece and tower left out",
             "Loads of waves alone, without weight and buoyancy",
             *(() if surface is None else ("Elevation at ({:g}, {:g}) m".format(*stage.gauge[0]),)),
         ),
     )
-    return element, (*notes, *_left_out(case))
+    return element, (*notes, *_left_out(case, damped_tower=bool((on_tower & ~below).any())))
 
 
 def _loads(
@@ -182,11 +180,13 @@ def _loads(
     return np.concatenate(loads), np.concatenate(surface) if elevation else None
 
 
-def _left_out(case: CaseConfig) -> tuple[str, ...]:
+def _left_out(case: CaseConfig, *, damped_tower: bool) -> tuple[str, ...]:
     """What the case asks for and the file does not hold, one line each."""
     structure, notes = case.structure, []
-    if structure.damping.tower_top is not None:
-        notes.append("structure.damping.tower_top is not in the file: it damps the tower")
+    if damped_tower:
+        notes.append("dashpots at the tower top are not in the file: they damp the tower")
+    if case.wind is not None:
+        notes.append("wind is not in the file: load and damping of the rotor act on the tower")
     if structure.ramp_s > 0.0:
         notes.append("structure.ramp_s is not in the file: its loads start at once")
     if case.morison.buoyancy:
@@ -290,6 +290,10 @@ def _respond(options: argparse.Namespace) -> int:
 
     if (options.alpha is None) != (options.beta is None):
         raise InputError("alpha, beta", (options.alpha, options.beta), "belong together", "Give both.")
+    for name in ("alpha", "beta"):
+        value = getattr(options, name)
+        if value is not None and not 0.0 <= value < float("inf"):
+            raise InputError(name, value, "must be finite and >= 0", "Give that of the case.")
     element = _read(options)
     given = None if options.alpha is None else (options.alpha, options.beta)
     alpha, beta = rayleigh_coefficients(element) if given is None else given

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
@@ -32,11 +33,14 @@ class Target:
         Of the structure.
     dt : float
         Time step of the loads in s.
+    tower_top : float array [direction, 6], optional
+        Further dashpots at the tower top, as roots of their coefficients.
     """
 
     tolerance: float
     damping: Damping
     dt: float
+    tower_top: Float[np.ndarray, "direction 6"] | None = None
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,7 @@ def auto_reduction(
         basis,
         damping=target.damping,
         dt=target.dt,
+        tower_top=target.tower_top,
     )
     highest_hz = basis.highest_frequency / target.dt
     ladder = candidates(assembly.internal, len(basis.vectors))

@@ -15,33 +15,40 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.linalg import LinAlgError, eig
 from scipy.optimize import linear_sum_assignment
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, csr_array, vstack
 
 from owt_model.contracts import LoadBasis
 from owt_model.errors import ComputationError, InputError
 from owt_model.mesh import Mesh
-from owt_model.structure import TOWER_TOP
 from owt_model.structure_config import Damping
+from owt_model.structure_names import TOWER_TOP
 from owt_structure_node.core.expansion import lever
 from owt_structure_node.core.modes import Factor, dense_modes
 
 __all__ = [
     "DampedModes",
     "ModalDamping",
+    "above_interface",
+    "all_vectors",
     "damped_modes",
     "dashpot_vectors",
     "drag_vectors",
+    "idle_dashpots",
     "lowest_damped",
     "modal_damping",
     "roots",
     "with_static_responses",
 ]
 
-#: Share of the largest eigenvalue of G G' below which a direction is round-off.
+#: Share of the largest eigenvalue of a dashpot's matrix, on a unit diagonal, below which one is round-off.
 _NEGLIGIBLE = 1e-14
+#: Share of the largest singular value of G below which one is round-off.
+_LAST_DIGIT = 1e-14
+#: Negative damping ratio that is round-off.
+_ROUND_OFF = 1e-9
 #: Share of its energy that a static response must keep beside the modes to count.
 _DEPENDENT = 1e-10
 
@@ -81,7 +88,8 @@ class DampedModes:
     frequency_hz : float array [mode]
         Of the damped oscillation; 0 where nothing oscillates.
     ratio : float array [mode]
-        Damping ratio -Re(lambda) / |lambda|; of overdamped modes that of the diagonal, 1 or more.
+        Damping ratio -Re(lambda) / |lambda|; 1 or more of overdamped modes, and of those that strong dashpots
+        have changed so much that none of the damped modes is named after them.
     """
 
     frequency_hz: Float[np.ndarray, " mode"]
@@ -126,11 +134,14 @@ def modal_damping(
 
 
 def _compressed(coupling: Float[np.ndarray, "mode direction"]) -> Float[np.ndarray, "mode kept"]:
-    """G of the same G G' with the fewest columns: drag has three directions at every node."""
-    if coupling.shape[1] <= 6:
+    """G of the same G G' with the fewest columns: drag has three directions at every node.
+
+    Parallel columns are merged, too: the small system of the integration would lose their digits.
+    """
+    if coupling.shape[1] <= 1:
         return np.ascontiguousarray(coupling)
     left, sigma, _ = np.linalg.svd(coupling, full_matrices=False)
-    kept = sigma**2 > _NEGLIGIBLE * sigma[0] ** 2
+    kept = sigma > _LAST_DIGIT * sigma[0]
     return np.ascontiguousarray(left[:, kept] * sigma[kept])
 
 
@@ -181,8 +192,8 @@ def dashpot_vectors(
     return np.array(rows).reshape(len(rows), 6 * mesh.n_nodes)
 
 
-def drag_vectors(mesh: Mesh, basis: LoadBasis | None) -> Float[np.ndarray, "direction motion"]:
-    """Vectors g [direction, 6 node] of the drag on the structure's own motion.
+def drag_vectors(mesh: Mesh, basis: LoadBasis | None) -> csr_array:
+    """Vectors g [direction, 6 node] of the drag on the structure's own motion: three at every loaded node.
 
     Raises
     ------
@@ -190,7 +201,7 @@ def drag_vectors(mesh: Mesh, basis: LoadBasis | None) -> Float[np.ndarray, "dire
         If the damping does not fit the nodes of the basis or of the mesh.
     """
     if basis is None or not len(basis.damping):
-        return np.zeros((0, 6 * mesh.n_nodes))
+        return csr_array((0, 6 * mesh.n_nodes))
     if len(basis.damping) != len(basis.node) or basis.node.max() >= mesh.n_nodes:
         raise InputError(
             "load_basis.damping",
@@ -199,10 +210,48 @@ def drag_vectors(mesh: Mesh, basis: LoadBasis | None) -> Float[np.ndarray, "dire
             "Give the damping of the loaded nodes.",
         )
     value, vector = np.linalg.eigh(basis.damping)
-    root = vector * np.sqrt(np.maximum(value, 0.0))[:, None, :]
-    rows = np.zeros((len(basis.node), 3, mesh.n_nodes, 6))
-    rows[np.arange(len(basis.node)), :, basis.node, :3] = root.transpose(0, 2, 1)
-    return np.ascontiguousarray(rows.reshape(-1, 6 * mesh.n_nodes)[value.reshape(-1) > 0.0])
+    root = (vector * np.sqrt(np.maximum(value, 0.0))[:, None, :]).transpose(0, 2, 1)
+    column = 6 * np.repeat(basis.node, 9).reshape(-1, 3, 3) + np.arange(3)
+    kept = value.reshape(-1) > 0.0
+    entries, columns = root.reshape(-1, 3)[kept], column.reshape(-1, 3)[kept]
+    start = 3 * np.arange(len(entries) + 1)
+    return csr_array(
+        (entries.reshape(-1), columns.reshape(-1), start), shape=(len(entries), 6 * mesh.n_nodes)
+    )
+
+
+def idle_dashpots(mesh: Mesh, expansion: csr_array) -> tuple[str, ...]:
+    """Names of the dashpots of which no end can move: they sit on fixed joints, and do nothing."""
+    index = {name: i for i, name in enumerate(mesh.node_name)} | {TOWER_TOP: mesh.tower_top}
+    moves = np.diff(expansion.indptr).reshape(mesh.n_nodes, 6).any(axis=1)
+    return tuple(
+        name
+        for name, dashpot in mesh.structure.dashpots.items()
+        if not moves[[index[joint] for joint in dashpot.joints]].any()
+    )
+
+
+def all_vectors(
+    mesh: Mesh,
+    damping: Damping,
+    basis: LoadBasis | None = None,
+    tower_top: Float[np.ndarray, "direction 6"] | None = None,
+) -> csr_array:
+    """Vectors of :func:`dashpot_vectors` and :func:`drag_vectors` together."""
+    return csr_array(
+        vstack([csr_array(dashpot_vectors(mesh, damping, tower_top)), drag_vectors(mesh, basis)])
+    )
+
+
+def above_interface(
+    mesh: Mesh, vectors: csr_array
+) -> tuple[Bool[np.ndarray, " direction"], Bool[np.ndarray, " direction"]]:
+    """Tell which vectors act on the tower, and which below it, the transition piece included."""
+    node = np.zeros(mesh.n_nodes, dtype=bool)
+    node[mesh.tower_node] = True
+    acts = abs(vectors)
+    on_tower, below = (acts @ np.repeat(place, 6).astype(float) for place in (node, ~node))
+    return on_tower > 0.0, below > 0.0
 
 
 def with_static_responses(
@@ -288,7 +337,13 @@ def damped_modes(omega_squared: Float[np.ndarray, " mode"], damping: ModalDampin
         share += np.abs(vector[len(omega) :, swings]) ** 2
         mode, pair = linear_sum_assignment(share / share.sum(axis=0), maximize=True)
         found = value[swings][pair]
-        ratio = np.maximum(ratio, 1.0)  # what finds no pair does not oscillate
+        lowest = float((-found.real / np.abs(found)).min(initial=0.0))
+        if lowest < -_ROUND_OFF:
+            raise ComputationError(
+                f"the damped eigenvalue problem lost its digits (damping ratio {lowest:.2g}): dashpots of "
+                "very different strength. Replace the strongest by supports or members."
+            )
+        ratio = np.maximum(ratio, 1.0)  # what finds no pair is named after no mode that oscillates
         ratio[mode], frequency = -found.real / np.abs(found), np.zeros(len(omega))
         frequency[mode] = found.imag / (2.0 * np.pi)
         return DampedModes(frequency, ratio)

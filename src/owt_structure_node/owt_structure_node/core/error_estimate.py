@@ -21,7 +21,7 @@ from scipy.sparse import csc_array
 from owt_model.contracts import LoadBasis
 from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import Assembly
-from owt_structure_node.core.damping import dashpot_vectors, modal_damping
+from owt_structure_node.core.damping import all_vectors, modal_damping
 from owt_structure_node.core.modes import dense_modes, lowest_modes
 from owt_structure_node.core.recovery import end_force_map, end_sections
 from owt_structure_node.core.reduction import Reduction, guyan, interface_loads, load_vectors
@@ -75,6 +75,8 @@ class ErrorModel:
         Of the structure.
     dt : float
         Time step of the loads in s.
+    tower_top : float array [direction, 6], optional
+        Further dashpots at the tower top, as roots of their coefficients.
 
     Raises
     ------
@@ -89,6 +91,7 @@ class ErrorModel:
         *,
         damping: Damping,
         dt: float,
+        tower_top: Float[np.ndarray, "direction 6"] | None = None,
     ) -> None:
         n = assembly.internal
         self.assembly = assembly
@@ -112,6 +115,7 @@ class ErrorModel:
         self._energies(basis, loads)
         known = tuple(mode for mode in damping.modes or () if mode[0] <= LOW_MODES)
         self.damping = damping.model_copy(update={"modes": known})
+        self.dashpots = all_vectors(assembly.mesh, damping, basis, tower_top) @ assembly.expansion
         self._low_modes(loads)
         self._reference_stress()
 
@@ -150,8 +154,6 @@ class ErrorModel:
         assembly, n = self.assembly, self.assembly.internal
         count = min(LOW_MODES, assembly.mesh.n_dof)
         self.low_square, shapes = lowest_modes(assembly.stiffness, assembly.mass, count)
-        dashpots = dashpot_vectors(assembly.mesh, self.damping)
-        self.dashpots = np.asarray((assembly.expansion.T @ dashpots.T).T)
         self.loads, self.low_boundary = loads[:, :-1], shapes[n : n + 6]
         motion = self._amplitude(self.low_square, shapes, 0)
         self.low_swing = self._amplitude(self.low_square, shapes, 4).sum(axis=1)
@@ -255,7 +257,8 @@ class ErrorModel:
         smooth = np.abs(square @ self._amplitude(square, shapes, 0) - self.low_energy).sum()
         full = self.low_square[: len(square)]
         ratio = self._rate(full, self.low_shapes[:, : len(full)]) / (2.0 * np.sqrt(full))
-        moved = np.minimum(np.abs(np.sqrt(square / full) - 1.0) / ratio, 1.0)
+        shift = np.abs(np.sqrt(square / full) - 1.0)
+        moved = np.minimum(np.divide(shift, ratio, out=np.sign(shift), where=ratio > 0.0), 1.0)
         return 0.5 * float(smooth) + float(full @ (self.low_gain[: len(full)] * moved))
 
     def _member_force(self, reduced: Reduction) -> tuple[float, str]:

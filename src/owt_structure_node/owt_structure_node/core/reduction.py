@@ -251,7 +251,10 @@ def _notes(
         reasons.append(f"{added.unloaded} of their shapes do not load the inside of the jacket")
     if added.dependent:
         reasons.append(f"{added.dependent} depend on modes or on other vectors")
-    more = (f"{reduction} has {dashpots} more vectors, for dashpots inside the jacket",) if dashpots else ()
+    more: tuple[str, ...] = ()
+    if dashpots:
+        most = dashpots * (name.order + 1)
+        more = (f"{reduction} has up to {most} more vectors, for dashpots inside the jacket",)
     if not reasons:
         return more
     kept = len(added.sigma_squared)

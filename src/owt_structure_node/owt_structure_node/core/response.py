@@ -14,8 +14,7 @@ from owt_structure_node.core.assembly import DOF_NAME, Assembly, assemble
 from owt_structure_node.core.auto import Target, chosen_reduction
 from owt_structure_node.core.damping import (
     ModalDamping,
-    dashpot_vectors,
-    drag_vectors,
+    all_vectors,
     lowest_damped,
     modal_damping,
 )
@@ -159,11 +158,10 @@ def model_damping(
         :func:`~owt_structure_node.core.damping.drag_vectors`.
     """
     mesh = model.assembly.mesh
-    vectors = np.vstack([dashpot_vectors(mesh, damping, tower_top), drag_vectors(mesh, basis)])
-    if not len(vectors):
+    vectors = all_vectors(mesh, damping, basis, tower_top)
+    if not vectors.shape[0]:
         return modal_damping(model.omega_squared, damping)
-    motion = model.node_basis.reshape(6 * mesh.n_nodes, -1)
-    of_functions = vectors @ motion
+    of_functions = vectors @ model.node_basis.reshape(6 * mesh.n_nodes, -1)
     modes = of_functions if model.amplitude is None else of_functions @ model.amplitude.T
     return modal_damping(model.omega_squared, damping, modes)
 

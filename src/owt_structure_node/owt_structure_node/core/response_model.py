@@ -12,10 +12,11 @@ from owt_model.contracts import LoadBasis, ReducedDescription
 from owt_model.mesh import Mesh
 from owt_model.reduction_name import parse_reduction
 from owt_structure_node.core.auto import Target
+from owt_structure_node.core.damping import idle_dashpots
 from owt_structure_node.core.energies import Part, split
 from owt_structure_node.core.motion import Oscillators
 from owt_structure_node.core.recovery import EndSections, end_force_map, end_sections
-from owt_structure_node.core.response import build_modal_model, describe, model_damping
+from owt_structure_node.core.response import ModalModel, build_modal_model, describe, model_damping
 from owt_structure_node.core.sim import StaticImprovement
 from owt_structure_node.core.tower_top import TowerTopLoad
 
@@ -104,16 +105,16 @@ def build_response_model(
         If a numerical step fails.
     """
     structure = case.structure
-    target = Target(structure.tolerance, structure.damping, case.time.dt_s)
-    model = build_modal_model(mesh, structure.reduction, basis, target)
     top_dashpots = None if tower_top_load is None else tower_top_load.dashpots
+    target = Target(structure.tolerance, structure.damping, case.time.dt_s, top_dashpots)
+    model = build_modal_model(mesh, structure.reduction, basis, target)
     damping = model_damping(model, structure.damping, basis, top_dashpots)
     end_force = end_force_map(model.assembly, model.basis)
     strained = np.flatnonzero(end_force.reshape(len(end_force), -1).any(axis=1))
     node_basis = model.node_basis
     tower_top = node_basis[mesh.tower_top]
     return ResponseModel(
-        description=describe(model, damping, _notes(case, tower_top_load)),
+        description=describe(model, damping, _notes(case, model, tower_top_load)),
         oscillators=Oscillators(
             model.omega_squared,
             damping.rate,
@@ -139,10 +140,13 @@ def build_response_model(
     )
 
 
-def _notes(case: CaseConfig, tower_top_load: TowerTopLoad | None) -> tuple[str, ...]:
-    """What is to be said of the loads."""
-    notes = () if tower_top_load is None else tower_top_load.notes
+def _notes(case: CaseConfig, model: ModalModel, tower_top_load: TowerTopLoad | None) -> tuple[str, ...]:
+    """What is to be said of loads and dashpots."""
+    notes = [] if tower_top_load is None else list(tower_top_load.notes)
     ramp = case.structure.ramp_s
-    if ramp == 0.0:
-        return notes
-    return (*notes, f"loads rise from zero over the first {ramp:g} s, which the results count with the rest")
+    if ramp > 0.0:
+        notes.append(f"loads rise from zero over the first {ramp:g} s, which the results count with the rest")
+    idle = idle_dashpots(model.assembly.mesh, model.assembly.expansion)
+    if idle:
+        notes.append(f"dashpots {', '.join(idle)} do nothing: they sit on fixed joints")
+    return tuple(notes)

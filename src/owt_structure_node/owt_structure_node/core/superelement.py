@@ -11,11 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.sparse import csr_array
 
 from owt_model.errors import InputError
 from owt_model.reduction_name import parse_reduction
+from owt_model.structure_config import Damping
 from owt_model.superelement import INTERFACE, Superelement
 from owt_structure_node.core.assembly import DOF_NAME, Assembly
+from owt_structure_node.core.damping import above_interface, dashpot_vectors
 from owt_structure_node.core.modes import dense_modes
 from owt_structure_node.core.reduction import Reduction
 
@@ -83,7 +86,7 @@ def jacket_superelement(
     dt: float,
     alpha: float,
     beta: float,
-    dashpots: Float[np.ndarray, "direction motion"] | None = None,
+    dashpots: csr_array | None = None,
     elevation: Float[np.ndarray, " sample"] | None = None,
     comments: tuple[str, ...] = (),
 ) -> Superelement:
@@ -101,9 +104,9 @@ def jacket_superelement(
         Their time step in s.
     alpha, beta : float
         Rayleigh coefficients in 1/s and s.
-    dashpots : float array [direction, 6 node], optional
-        Vectors g over the motion of all nodes; C holds g g' of each. What moves nodes above the interface
-        only is part of the upper structure and adds nothing here.
+    dashpots : sparse [direction, 6 node], optional
+        Vectors g over the motion of all nodes; C holds g g' of each that acts below the tower. Those on the
+        tower alone belong to it.
     elevation : float array [sample], optional
         Surface elevation in m.
     comments : tuple of str
@@ -111,7 +114,8 @@ def jacket_superelement(
     Raises
     ------
     InputError
-        As :func:`check_reduction`, and as :class:`owt_model.superelement.Superelement`.
+        As :func:`check_reduction`, as :class:`owt_model.superelement.Superelement`, and if a dashpot joins
+        jacket and tower.
     """
     shapes = jacket_basis(assembly, reduction)
     mass, stiffness = (
@@ -119,8 +123,16 @@ def jacket_superelement(
         for matrix in (assembly.jacket_mass, assembly.jacket_stiffness)
     )
     damping = alpha * mass + beta * stiffness
-    if dashpots is not None and len(dashpots):
-        motion = dashpots @ (assembly.expansion @ shapes)
+    if dashpots is not None and dashpots.shape[0]:
+        on_tower, below = above_interface(assembly.mesh, dashpots)
+        if (on_tower & below).any():
+            raise InputError(
+                "dashpots",
+                list(assembly.mesh.structure.dashpots),
+                "join jacket and tower, which no matrix of the jacket alone can hold",
+                "Leave such dashpots out, and give them in the tool that reads the file.",
+            )
+        motion = dashpots[below] @ (assembly.expansion @ shapes)
         damping = damping + _symmetric(motion.T @ motion)
     return Superelement(mass, stiffness, damping, dt, loads, elevation, comments)
 
@@ -188,7 +200,7 @@ class Attached:
 
 
 def attach(element: Superelement, assembly: Assembly, *, alpha: float, beta: float) -> Attached:
-    """Set the upper part of a structure on a superelement.
+    """Set the upper part of a structure on a superelement, its dashpots at the tower top included.
 
     Parameters
     ----------
@@ -203,7 +215,10 @@ def attach(element: Superelement, assembly: Assembly, *, alpha: float, beta: flo
     held = slice(assembly.internal, None)
     stiffness = assembly.upper_stiffness[held, held].toarray()
     mass = assembly.upper_mass[held, held].toarray()
-    damping = alpha * mass + beta * stiffness
+    vectors = csr_array(dashpot_vectors(mesh, Damping()))
+    on_tower, below = above_interface(mesh, vectors)
+    g = (vectors[on_tower & ~below] @ assembly.expansion[:, held]).toarray()
+    damping = alpha * mass + beta * stiffness + g.T @ g
     size = n + len(mass) - INTERFACE
     upper = np.concatenate([np.arange(INTERFACE), np.arange(n, size)])
 

@@ -119,6 +119,18 @@ def test_sensitivity_models_on_the_command_line(
         sensitivity_model("none")
 
 
+@pytest.mark.parametrize("reduction", ["M10", "CB10M10", "CB20"])
+def test_weights_go_with_every_reduction(reduction: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["eigen", "--model", "oc4-thesis", "--static", "--reduction", reduction, "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    change = np.array(shown["static_state"]["change_percent"][:2])
+    assert (np.abs(change + 1.1) < 0.1).all()
+
+
+def test_a_damping_model_of_the_turbine_is_not_that_of_a_held_jacket() -> None:
+    assert main(["eigen", "--sensitivity", "damping", "--fixed-interface"]) == 1
+
+
 def test_quarter_turn_would_notice_another_turn(models_mesh) -> None:
     mesh, motion = models_mesh
     assert quarter_turn_classes(mesh, motion) == "A"

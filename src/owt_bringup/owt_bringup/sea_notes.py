@@ -74,6 +74,11 @@ def ignored_options(case: CaseConfig, command: str, mesh: Mesh | None = None) ->
         lines.append("sea_state.cutoff_over_peak without effect: sea_state.cutoff is steepness")
     if command == "loads" and morison.hydrodynamic_damping:
         lines.append("morison.hydrodynamic_damping without effect on loads: it damps the motion of simulate")
+    structure = case.structure
+    if structure.reduction != "auto" and "tolerance" in structure.model_fields_set:
+        lines.append("structure.tolerance without effect: it is that of the reduction auto")
+    if structure.static_state is not None and not structure.static_state.p_delta:
+        lines.append("structure.static_state without effect: p_delta is false")
     if command == "loads" and case.wind is not None:
         lines.append("wind without effect on loads: it acts at the tower top, in simulate and demo")
     if command == "simulate" and morison.buoyancy:

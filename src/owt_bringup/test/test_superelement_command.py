@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from owt_bringup.cli import main
 from owt_bringup.commands import superelement
 from owt_model.errors import InputError
 
@@ -29,6 +30,7 @@ def case(folder: Path, **changes: object) -> Path:
 
 
 def shown(capsys: pytest.CaptureFixture[str], *arguments: object) -> dict:
+    capsys.readouterr()
     assert call("show", "--json", *arguments) == 0
     return json.loads(capsys.readouterr().out)
 
@@ -97,3 +99,26 @@ def test_drag_damping_is_in_the_file_and_not_proportional(tmp_path: Path) -> Non
         call("run", file, "--tower", "oc4", "-o", tmp_path / "out.npz")
     with pytest.raises(InputError, match="belong together"):
         call("run", file, "--tower", "oc4", "-o", tmp_path / "out.npz", "--alpha", "0.02")
+
+
+def test_weights_of_the_tower_belong_to_the_tower(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The jacket's file has the geometric stiffness of all weights; `--static` gives the tower its own."""
+    given = case(tmp_path, structure={"reduction": "CB05", "static_state": {}})
+    file = tmp_path / "jacket.dat"
+    assert call("export", given, "-o", file) == 0
+    assert "must count its own" in capsys.readouterr().err
+    assert "geometric stiffness of all weights" in file.read_text()
+    bare, weighed = (shown(capsys, file, "--tower", "oc4", *more) for more in ((), ("--static",)))
+    assert main(["eigen", "--reduction", "CB05", "--static", "--json"]) == 0
+    whole = json.loads(capsys.readouterr().out)["frequencies_hz"]
+    assert weighed["tower_frequencies_hz"][:4] == pytest.approx(whole[:4], rel=1e-6)
+    assert bare["tower_frequencies_hz"][0] != pytest.approx(whole[0], rel=5e-3)
+
+
+def test_a_file_without_loads_has_no_response(tmp_path: Path) -> None:
+    given = case(tmp_path, structure={"reduction": "CB00"})
+    file, forces = tmp_path / "jacket.dat", tmp_path / "forces.dat"
+    assert call("export", given, "-o", file, "--openfast5", forces) == 0
+    with pytest.raises(InputError, match="no loads to respond to"):
+        call("run", file, "--tower", "oc4", "-o", tmp_path / "out.npz")
+    assert call("run", file, "--forces", forces, "--tower", "oc4", "-o", tmp_path / "out.npz") == 0

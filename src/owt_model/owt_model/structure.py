@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections import Counter
 from importlib import resources
 from pathlib import Path
@@ -367,6 +368,12 @@ class _UniqueKeys(yaml.SafeLoader):
                     key, "", f"is given twice in the mapping of line {line}", "Keep one of the two."
                 )
         return super().construct_mapping(node, deep=deep)
+
+
+# YAML 1.1 takes 1e8 and 6.1e4 for text, everybody else for numbers.
+_UniqueKeys.add_implicit_resolver(
+    "tag:yaml.org,2002:float", re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+)
 
 
 def _yaml(text: str, source: str) -> Any:

@@ -174,3 +174,15 @@ def test_hostile_yaml_is_one_clear_error(tmp_path: Path, text: str) -> None:
     with pytest.raises(InputError) as caught:
         load_structure(str(path))
     assert "\n" not in str(caught.value)
+
+
+def test_numbers_of_yaml_may_have_a_plain_exponent(tmp_path: Path) -> None:
+    """YAML 1.1 takes 1e8 and 6.1e4 for text; names that look like numbers in quotes stay names."""
+    data = copy.deepcopy(CANTILEVER)
+    data["support_springs"] = {"A": {"stiffness": [1e8, 2e8, 6.1e4, 1e7, 1e7, 1e-3]}}
+    del data["supports"]
+    text = json.dumps(data).replace("100000000.0", "1e8").replace("61000.0", "6.1e4").replace("0.001", "1e-3")
+    assert "1e8" in text
+    path = tmp_path / "mast.yaml"
+    path.write_text(text)
+    assert load_structure(str(path)).support_springs["A"].stiffness == (1e8, 2e8, 6.1e4, 1e7, 1e7, 1e-3)

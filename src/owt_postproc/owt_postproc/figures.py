@@ -40,6 +40,8 @@ Line = tuple[str, np.ndarray, np.ndarray, str]
 def all_figures(data: ReportData) -> list[Figure]:
     """The figures of the report, in their order."""
     figures = [_elevation(data), _shear(data)]
+    if data.tower_top_load is not None:
+        figures.append(_tower_top_load(data, data.tower_top_load))
     if data.tower_top is not None:
         figures.append(_tower_top(data))
     shown = (_stress(data), _spectrum(data), _energy(data), damage_bars(data), exceedance(data))
@@ -74,6 +76,16 @@ def _shear(data: ReportData) -> Figure:
     return _record("shear", "Base shear of the waves", "MN", data, lines, caption)
 
 
+def _tower_top_load(data: ReportData, load: np.ndarray) -> Figure:
+    along, across = _directions(data)
+    force = 1e-3 * load[:, :2]
+    lines = [
+        ("across", data.wave_time, force @ across, FAINT),
+        ("along the waves", data.wave_time, force @ along, BLUE),
+    ]
+    return _record("tower_top_load", "Load at the tower top", "kN", data, lines, "Horizontal force.")
+
+
 def _tower_top(data: ReportData) -> Figure:
     assert data.tower_top is not None
     along, across = _directions(data)
@@ -104,7 +116,10 @@ def _energy(data: ReportData) -> Figure:
         ("kinetic", data.time, 1e-3 * data.kinetic, ORANGE),
         ("potential", data.time, 1e-3 * data.potential, BLUE),
     ]
-    return _record("energy", "Energies of the structure", "kJ", data, lines, "Of the reduced model.")
+    for i, (part, colour) in enumerate(zip(data.reduced.substructure_name, (TEAL, FAINT), strict=False)):
+        lines.insert(0, (f"potential, {part}", data.time, 1e-3 * data.potential_substructure[:, i], colour))
+    caption = "Of the reduced model; the transition piece counts to the tower."
+    return _record("energy", "Energies of the structure", "kJ", data, lines, caption)
 
 
 def _record(key: str, title: str, unit: str, data: ReportData, lines: list[Line], caption: str) -> Figure:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -19,7 +19,7 @@ from owt_postproc.core.stage import POINT_ANGLE_DEG
 from owt_postproc.core.statistics import statistics
 from owt_postproc.figures import all_figures
 from owt_postproc.plot_style import Figure
-from owt_postproc.report_case import case_facts
+from owt_postproc.report_case import report_facts
 from owt_postproc.report_data import ReportData
 
 __all__ = ["head_figures", "render", "summary", "write_report"]
@@ -83,6 +83,7 @@ def summary(data: ReportData) -> dict[str, Any]:
             "coordinates": len(reduced.coordinate_name),
             "frequency_hz": [float(v) for v in reduced.frequency_hz[:20]],
             "damping_ratio": [float(v) for v in reduced.damping_ratio[:20]],
+            "notes": list(reduced.notes),
         },
         "statistics": {key: statistics(series).as_dict(unit) for key, _, series, unit, _, _ in _series(data)},
         "fatigue": {
@@ -120,6 +121,11 @@ def _series(data: ReportData) -> list[tuple[str, str, np.ndarray, str, float, st
         ("potential_energy", "Potential energy", data.potential, "j", 1e-3, "kJ"),
         ("kinetic_energy", "Kinetic energy", data.kinetic, "j", 1e-3, "kJ"),
     ]
+    if data.tower_top_load is not None:
+        rows[4:4] = [
+            ("tower_top_load_x", "Load at the tower top, x", data.tower_top_load[:, 0], "n", 1e-3, "kN"),
+            ("tower_top_load_y", "Load at the tower top, y", data.tower_top_load[:, 1], "n", 1e-3, "kN"),
+        ]
     for i, part in enumerate(data.reduced.substructure_name):
         rows += [
             (
@@ -166,7 +172,7 @@ def render(data: ReportData) -> str:
         f"<header><h1>{_text(data.title)}</h1><p>{_text(_subtitle(data))}</p></header>",
         _tiles(data),
         '<section class="columns">',
-        *(f"<div><h2>{_text(title)}</h2>{_facts(rows)}</div>" for title, rows in _facts_of(data)),
+        *(f"<div><h2>{_text(title)}</h2>{_facts(rows)}</div>" for title, rows in report_facts(data)),
         "</section>",
         "<h2>Results</h2>",
         *(_figure(figure) for figure in figures if figure.key not in BESIDE),
@@ -245,41 +251,6 @@ def _tiles(data: ReportData) -> str:
         )
         + "</div>"
     )
-
-
-def _facts_of(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]]:
-    curve, reduced = data.fatigue.curve, data.reduced
-    labels = {
-        "hs_m": "significant wave height, m", "tp_s": "peak period, s", "gamma": "peak enhancement",
-        "direction_deg": "direction the waves travel to, °", "seed": "seed", "order": "wave order",
-        "stretching": "above still water", "cutoff_rad_s": "highest component, rad/s",
-        "water_depth_m": "water depth, m", "duration_s": "duration, s",
-    }  # fmt: skip
-    structure: Mapping[str, Any] = data.case.get("structure", {})
-    return [
-        ("Sea state", [(labels.get(key, key), v) for key, v in data.sea_state.items() if v is not None]),
-        (
-            "Structure",
-            [
-                ("model", reduced.model_name),
-                ("content hash", reduced.model_hash[:16]),
-                ("reduction", reduced.reduction),
-                ("generalised coordinates", len(reduced.coordinate_name)),
-                ("integration step, s", structure.get("dt_s", "-")),
-            ],
-        ),
-        (
-            "Fatigue",
-            [
-                ("S-N curve", f"{curve.name} ({curve.description})"),
-                ("stress concentration factor", data.fatigue.scf),
-                ("member ends × points", f"{len(reduced.end_name)} × {data.fatigue.damage.shape[1]}"),
-                ("samples per point", data.fatigue.samples),
-            ],
-        ),
-        ("Case, where it is not the default", case_facts(data.case) or [("all defaults", "-")]),
-        ("Versions", list(data.versions.items()) or [("not recorded", "-")]),
-    ]
 
 
 def _facts(rows: Iterable[tuple[str, Any]]) -> str:

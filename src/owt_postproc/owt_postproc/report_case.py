@@ -1,13 +1,15 @@
-"""What a case asks for, in the words of the case file, as far as it differs from the defaults."""
+"""Facts of a run for its report: the case, as far as it differs from the defaults, model, modes, fatigue."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from owt_model.config import SEA_SOURCES, CaseConfig
+from owt_model.wind_config import RotorConfig
+from owt_postproc.report_data import ReportData
 
-__all__ = ["case_facts"]
+__all__ = ["case_facts", "report_facts"]
 
 #: Parts of a case that other tables of the report show, or that do not change a result.
 ELSEWHERE = ("points_m", "stream")
@@ -43,6 +45,7 @@ def case_facts(case: Mapping[str, Any]) -> list[tuple[str, Any]]:
         A case file as plain data; keys that it lacks have their defaults.
     """
     default = dict(_flat("", CaseConfig().model_dump(mode="json")))
+    default |= dict(_flat("wind.thrust.rotor", RotorConfig().model_dump(mode="json")))
     source = [name for name in SEA_SOURCES if case.get(name) is not None]
     return [
         (name, _shown(value))
@@ -50,3 +53,47 @@ def case_facts(case: Mapping[str, Any]) -> list[tuple[str, Any]]:
         if value is not None
         and (value != default.get(name) or (source and name.split(".")[0] == source[0] != "sea_state"))
     ]
+
+
+def report_facts(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]]:
+    """Titles, keys and values of what the report says in tables of two columns."""
+    curve, reduced = data.fatigue.curve, data.reduced
+    labels = {
+        "hs_m": "significant wave height, m", "tp_s": "peak period, s", "gamma": "peak enhancement",
+        "direction_deg": "direction the waves travel to, °", "seed": "seed", "order": "wave order",
+        "stretching": "above still water", "cutoff_rad_s": "highest component, rad/s",
+        "water_depth_m": "water depth, m", "duration_s": "duration, s",
+    }  # fmt: skip
+    structure: Mapping[str, Any] = data.case.get("structure", {})
+    return [
+        ("Sea state", [(labels.get(key, key), v) for key, v in data.sea_state.items() if v is not None]),
+        (
+            "Structure",
+            [
+                ("model", reduced.model_name),
+                ("content hash", reduced.model_hash[:16]),
+                ("reduction", reduced.reduction),
+                ("generalised coordinates", len(reduced.coordinate_name)),
+                ("integration step, s", structure.get("dt_s", "-")),
+                *(("note", note) for note in reduced.notes),
+            ],
+        ),
+        ("Lowest modes", _modes(data)),
+        (
+            "Fatigue",
+            [
+                ("S-N curve", f"{curve.name} ({curve.description})"),
+                ("stress concentration factor", data.fatigue.scf),
+                ("member ends × points", f"{len(reduced.end_name)} × {data.fatigue.damage.shape[1]}"),
+                ("samples per point", data.fatigue.samples),
+            ],
+        ),
+        ("Case, where it is not the default", case_facts(data.case) or [("all defaults", "-")]),
+        ("Versions", list(data.versions.items()) or [("not recorded", "-")]),
+    ]
+
+
+def _modes(data: ReportData) -> list[tuple[str, str]]:
+    """Undamped frequency and damping ratio of the lowest modes."""
+    lowest = zip(data.reduced.frequency_hz[:10], data.reduced.damping_ratio[:10], strict=True)
+    return [(f"mode {i}", f"{f:.4f} Hz, {100.0 * z:.2f} % damping") for i, (f, z) in enumerate(lowest, 1)]

@@ -17,6 +17,7 @@ from owt_model.contracts import (
     ModalBlock,
     ReducedDescription,
     StressBlock,
+    WrenchBlock,
 )
 from owt_model.errors import ComputationError
 from owt_model.mesh import Mesh
@@ -79,6 +80,8 @@ class ReportData:
         Energies in J.
     potential_substructure, kinetic_substructure : float arrays [sample, part]
         Energies in J of the parts that ``reduced`` names; none of a recording that lacks them.
+    tower_top_load : float array [wave sample, 6], optional
+        Force in N and moment in N m on the tower top; None of a run without.
     complete : bool
         False where the stress does not reach the end of the record.
     """
@@ -103,6 +106,7 @@ class ReportData:
     kinetic: Float[np.ndarray, " sample"]
     potential_substructure: Float[np.ndarray, "sample part"]
     kinetic_substructure: Float[np.ndarray, "sample part"]
+    tower_top_load: Float[np.ndarray, "wave_sample 6"] | None = None
     complete: bool = True
     title: str = "Response and fatigue in one sea state"
 
@@ -142,6 +146,8 @@ class ReportCollector:
             self._keep("elevation", block, (block.first_order[:, 0].copy(), block.total[:, 0].copy()))
         elif isinstance(block, LoadBlock):
             self._keep("load", block, (block.nodal[:, :, :3].sum(axis=1),))
+        elif isinstance(block, WrenchBlock):
+            self._keep("wrench", block, (block.wrench.copy(),))
         elif isinstance(block, ModalBlock):
             top = self.tower_top_coordinate
             self._keep("modal", block, (block.displacement[:, top : top + 3].copy() if top >= 0 else None,))
@@ -191,7 +197,8 @@ class ReportCollector:
             np.concatenate([parts[i][:, end] for parts in blocks]) for i in range(4)
         )
         # A recording that broke off holds streams of unequal length: what all of them have is shown.
-        waves = slice(min(len(total), len(force)))
+        wrench = self._series("wrench", 1)[0] if "wrench" in self._blocks else None
+        waves = slice(min(len(total), len(force), len(force if wrench is None else wrench)))
         response = slice(min(len(axial), len(potential), len(axial if top is None else top)))
         normal = axial + bending_y * np.sin(angle) + bending_z * np.cos(angle)
         return ReportData(
@@ -215,6 +222,7 @@ class ReportCollector:
             kinetic=kinetic[response],
             potential_substructure=parts[0][response],
             kinetic_substructure=parts[1][response],
+            tower_top_load=None if wrench is None else wrench[waves],
             complete=self._complete,
         )
 

@@ -105,7 +105,7 @@ def test_size(page):
 def test_what_it_says(page, data):
     for text in ("CB10M10", "T_cathodic_protection", "DNV-RP-C203", data.end_name, "Hs 6 m", np.__version__):
         assert text in page
-    assert page.count("<table") == 8
+    assert page.count("<table") == 9
 
 
 def test_text_is_escaped(data):

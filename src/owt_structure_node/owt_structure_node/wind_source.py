@@ -87,8 +87,9 @@ def read_wrench(path: Path) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray
     if unknown or names.count("time_s") != 1 or len(set(names)) < len(names) or len(names) < 2:
         raise InputError(
             field,
-            ",".join(names) or "nothing",
-            f"must be headed by time_s and one or more of {', '.join(COLUMNS)}, each once",
+            str(path),
+            f"is headed by {','.join(names) or 'nothing'}: it must be time_s and one or more of "
+            f"{', '.join(COLUMNS)}, each once",
             "Name the columns in the first line.",
         )
     rows = np.zeros((len(table) - 1, 7))
@@ -101,14 +102,17 @@ def read_wrench(path: Path) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray
             values = []
         if len(values) != len(names) or not all(map(math.isfinite, values)):
             raise InputError(
-                field, line, f"in row {number} is not {len(names)} finite numbers", "Fill gaps before."
+                field,
+                str(path),
+                f"has a row {number}, {line.strip()[:60]!r}, that is not {len(names)} finite numbers",
+                "Fill gaps before.",
             )
         rows[i, place] = values
         if i and not rows[i, 0] > rows[i - 1, 0]:
             raise InputError(
                 field,
-                float(rows[i, 0]),
-                f"is the time in row {number}, not later than the row before",
+                str(path),
+                f"has the time {rows[i, 0]:g} s in row {number}, not later than the row before",
                 "Sort rows.",
             )
     return rows[:, 0], rows[:, 1:]

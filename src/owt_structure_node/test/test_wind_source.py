@@ -10,6 +10,7 @@ import pytest
 from owt_model.config import parse_case
 from owt_model.errors import InputError
 from owt_model.mesh import build_mesh
+from owt_model.structure import load_structure
 from owt_structure_node.core.stage import build_response_model
 from owt_structure_node.wind_source import COLUMNS, read_wrench, tower_top_load
 
@@ -46,17 +47,17 @@ def test_read_wrench(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "= 'nothing': must be headed by time_s and one or more of fx_n, fy_n"),
-        ("0,1\n1,2\n", "= '0,1': must be headed"),
-        ("time_s\n0\n", "= 'time_s': must be headed"),
+        ("", "is headed by nothing: it must be time_s and one or more of fx_n, fy_n"),
+        ("0,1\n1,2\n", "is headed by 0,1: it must"),
+        ("time_s\n0\n", "is headed by time_s: it must"),
         ("time_s,fx_n,fx_n\n0,1,2\n", "each once"),
-        ("time_s,Fx_n\n0,1\n", "= 'time_s,Fx_n': must be headed"),
-        (HEAD + "0,1\n\n1\n", r"= '1': in row 4 is not 2 finite numbers\. Fill gaps"),
-        (HEAD + "0,1\n1,nan\n", "= '1,nan': in row 3"),
-        (HEAD + '0,1\n1,"1\n0"\n2,2\n', "= '1,\"1': in row 3"),
-        (HEAD + "0," + "1" * 140_000 + "\n", "in row 2"),
-        (HEAD + "0,1\n0,2\n", r"= 0\.0: is the time in row 3, not later than the row before\. Sort"),
-        (HEAD + "# c\n1,1\n0.5,2\n", r"= 0\.5: is the time in row 4"),
+        ("time_s,Fx_n\n0,1\n", "is headed by time_s,Fx_n: it must"),
+        (HEAD + "0,1\n\n1\n", r"has a row 4, '1', that is not 2 finite numbers\. Fill gaps"),
+        (HEAD + "0,1\n1,nan\n", "has a row 3, '1,nan'"),
+        (HEAD + '0,1\n1,"1\n0"\n2,2\n', "has a row 3, '1,\"1'"),
+        (HEAD + "0," + "1" * 140_000 + "\n", "has a row 2, '0,1{58}'"),
+        (HEAD + "0,1\n0,2\n", r"has the time 0 s in row 3, not later than the row before\. Sort"),
+        (HEAD + "# c\n1,1\n0.5,2\n", r"has the time 0\.5 s in row 4"),
         (HEAD, r"covers nothing, the record is 0 to 9\.9 s\. Give a series from 0 s"),
         (HEAD + "0,1\n9.8,2\n", "covers 0 to 9.8 s"),
         (HEAD + "100,1\n300,2\n", "covers 100 to 300 s"),
@@ -116,3 +117,30 @@ def test_where_a_load_comes_from(mesh, bare):
     for given in ({}, {"topic": {}, "thrust": {}}):
         with pytest.raises(InputError, match="given once, by one of series, topic, thrust"):
             parse_case({"wind": given})
+
+
+def notes_of(case, mesh):
+    return build_response_model(case, mesh, None, tower_top_load(case, mesh)).description.notes
+
+
+def test_blades_that_pass_at_the_tower_s_frequency_are_noted():
+    """The default rotor meets the thesis' turbine at 5.7 m/s."""
+    mesh = build_mesh(load_structure("oc4-thesis"))
+    for speed, noted in ((5.7, True), (12.0, False)):
+        data = {"wind": {"thrust": {"speed_m_s": speed}}, "structure": {"reduction": "CB05"}}
+        notes = notes_of(parse_case(data), mesh)
+        assert any("within 10% of its mode at 0.381 Hz" in note for note in notes) is noted
+
+
+def test_damping_of_the_rotor_beside_a_tower_top_dashpot_is_noted():
+    mesh = build_mesh(load_structure("oc4-thesis"))
+    top = {"reduction": "CB05", "damping": {"tower_top": [6.1e4, 6.1e4, 0, 0, 0, 0]}}
+    for aerodynamic, noted in ((True, True), (False, False)):
+        wind = {"thrust": {"aerodynamic_damping": aerodynamic}}
+        notes = notes_of(parse_case({"wind": wind, "structure": top}), mesh)
+        assert any("both act at the tower top" in note for note in notes) is noted
+
+
+def test_a_ramp_longer_than_the_record_is_noted(mesh):
+    case = parse_case({"time": {"n": 100}, "structure": {"reduction": "CB05", "ramp_s": 11.0}})
+    assert "the record of 10 s ends before the loads have risen" in notes_of(case, mesh)

@@ -11,6 +11,7 @@ from owt_model.errors import InputError
 
 if TYPE_CHECKING:
     from owt_model.contracts import LoadBasis
+    from owt_model.parts import StaticState
     from owt_model.structure import Structure
 
 HELP = "eigenfrequencies, damping, mass and Guyan stiffness of a structure"
@@ -57,9 +58,18 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             "reduction", options.reduction, "has no meaning with --fixed-interface", "Leave one of them out."
         )
+    if options.fixed_interface and options.sensitivity in ("damping", "damping-modal"):
+        raise InputError(
+            "sensitivity",
+            options.sensitivity,
+            "damps modes of the turbine, not of the jacket with its interface held",
+            "Leave one of the two out.",
+        )
     if options.tolerance is not None and options.reduction != "auto":
         raise InputError("tolerance", options.tolerance, "is that of auto", "Give --reduction auto as well.")
     config = sensitivity_model(options.sensitivity or "reference", StructureConfig(model=options.model))
+    if options.static and config.static_state is None:
+        config = config.model_copy(update={"static_state": _weights_of(options.model)})
     structure = case_structure(config)
     report = eigen_report(
         structure,
@@ -102,3 +112,11 @@ def _load_basis(structure: Structure, reduction: str | None) -> LoadBasis | None
     from owt_campaign.standard_load import standard_load_basis
 
     return standard_load_basis(structure, vectors)
+
+
+def _weights_of(model: str) -> StaticState:
+    """Static state of the structure, or that of all weights where it has none."""
+    from owt_model.parts import StaticState
+    from owt_model.structure import load_structure
+
+    return load_structure(model).static_state or StaticState()

@@ -54,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
     }
     if data.tower_top is not None:
         series["tower_top"] = data.tower_top
+    if data.tower_top_load is not None:
+        series["tower_top_load"] = data.tower_top_load
     write_npz(folder / "series.npz", series)
     if options.full:
         write_npz(folder / "full.npz", result.series)

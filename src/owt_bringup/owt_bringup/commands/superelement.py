@@ -52,6 +52,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     respond.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.npz", help="file to write")
     respond.add_argument("--dt", type=float, help="integration step in s (default: that of the loads)")
     for sub in (show, respond):
+        sub.add_argument(
+            "--static", action="store_true", help="count the geometric stiffness of the weights on the tower"
+        )
         sub.add_argument("file", type=Path, metavar="FILE", help="superelement file, FlexASCII or GuyanASCII")
         sub.add_argument(
             "--forces", type=Path, metavar="FILE", help="file of loads that OpenFAST 5 has apart"
@@ -104,6 +107,7 @@ def _export(options: argparse.Namespace) -> int:
     for note in (*notes, *extptfm_notes(element)):
         print(f"note: {note}", file=sys.stderr)
     print_notes(case, "superelement", mesh)
+    print(f"{options.output}: {element.n_dof} degrees of freedom, {len(element.loads)} samples of loads")
     return 0
 
 
@@ -137,6 +141,7 @@ def _element(
     alpha, beta = structure.damping.rayleigh
     dashpots = all_vectors(mesh, structure.damping, basis)
     on_tower, below = above_interface(mesh, dashpots)
+    damped_tower, weighed = bool((on_tower & ~below).any()), mesh.structure.static_state is not None
     loads, surface = _loads(stage, assembly, reduced, elevation=elevation)
     place = ", ".join(f"{x:g}" for x in mesh.node_position[mesh.transition_piece])
     element = jacket_superelement(
@@ -154,10 +159,11 @@ def _element(
             f"Damping alpha {alpha:g} 1/s, beta {beta:g} s{' and dashpots' if below.any() else ''}",
             "Transition piece and tower left out",
             "Loads of waves alone, without weight and buoyancy",
+            *(("Stiffness with the geometric stiffness of all weights",) if weighed else ()),
             *(() if surface is None else ("Elevation at ({:g}, {:g}) m".format(*stage.gauge[0]),)),
         ),
     )
-    return element, (*notes, *_left_out(case, damped_tower=bool((on_tower & ~below).any())))
+    return element, (*notes, *_left_out(case, damped_tower=damped_tower, weighed=weighed))
 
 
 def _loads(
@@ -180,11 +186,16 @@ def _loads(
     return np.concatenate(loads), np.concatenate(surface) if elevation else None
 
 
-def _left_out(case: CaseConfig, *, damped_tower: bool) -> tuple[str, ...]:
+def _left_out(case: CaseConfig, *, damped_tower: bool, weighed: bool) -> tuple[str, ...]:
     """What the case asks for and the file does not hold, one line each."""
     structure, notes = case.structure, []
     if damped_tower:
         notes.append("dashpots at the tower top are not in the file: they damp the tower")
+    if weighed:
+        notes.append(
+            "the jacket has the geometric stiffness of all weights: the tower that goes on it must count its "
+            "own (run --static)"
+        )
     if case.wind is not None:
         notes.append("wind is not in the file: load and damping of the rotor act on the tower")
     if structure.ramp_s > 0.0:
@@ -208,20 +219,24 @@ def _read(options: argparse.Namespace) -> Superelement:
     return parse_superelement(text, source=str(options.file), forces=forces)
 
 
-def _tower(model: str) -> Assembly:
+def _tower(model: str, *, static: bool) -> Assembly:
     """Assemble the structure whose upper part goes on the file's jacket."""
     from owt_model.mesh import build_mesh
+    from owt_model.parts import StaticState
     from owt_model.structure import load_structure
     from owt_structure_node.core.assembly import assemble
 
-    return assemble(build_mesh(load_structure(model)))
+    structure = load_structure(model)
+    if static and structure.static_state is None:
+        structure = structure.model_copy(update={"static_state": StaticState()})
+    return assemble(build_mesh(structure))
 
 
 def _show(options: argparse.Namespace) -> int:
     from owt_model.superelement import extptfm_notes
 
     element = _read(options)
-    report = _report(element, options.tower)
+    report = _report(element, options.tower, static=options.static)
     if options.json:
         print(json.dumps(report, allow_nan=False))
         return 0
@@ -235,7 +250,8 @@ def _show(options: argparse.Namespace) -> int:
         "damping: "
         + (f"alpha {damping[0]:.4g} 1/s, beta {damping[1]:.4g} s" if damping else "not Rayleigh's")
     )
-    print(f"loads: {report['samples']} samples, {report['duration_s']:g} s in steps of {report['dt_s']:g} s")
+    record = f"{report['samples']} samples, {report['duration_s']:g} s in steps of {report['dt_s']:g} s"
+    print(f"loads: {record if report['samples'] > 1 else 'none in this file (see --forces)'}")
     for key, title in (
         ("fixed_interface_frequencies_hz", "interface held"),
         ("frequencies_hz", "no tower"),
@@ -248,7 +264,7 @@ def _show(options: argparse.Namespace) -> int:
     return 0
 
 
-def _report(element: Superelement, tower: str | None) -> dict[str, Any]:
+def _report(element: Superelement, tower: str | None, *, static: bool) -> dict[str, Any]:
     """Figures of a superelement, plain numbers."""
     from owt_structure_node.core.superelement import attach, frequencies, rayleigh_coefficients
 
@@ -272,7 +288,7 @@ def _report(element: Superelement, tower: str | None) -> dict[str, Any]:
         "frequencies_hz": frequencies(element.stiffness, element.mass).tolist(),
     }
     if tower is not None:
-        attached = attach(element, _tower(tower), alpha=0.0, beta=0.0)
+        attached = attach(element, _tower(tower, static=static), alpha=0.0, beta=0.0)
         report["tower"] = tower
         report["tower_frequencies_hz"] = frequencies(attached.stiffness, attached.mass).tolist()
     return report
@@ -295,13 +311,19 @@ def _respond(options: argparse.Namespace) -> int:
         if value is not None and not 0.0 <= value < float("inf"):
             raise InputError(name, value, "must be finite and >= 0", "Give that of the case.")
     element = _read(options)
+    if len(element.loads) < 2:
+        raise InputError(
+            "file", str(options.file), "has no loads to respond to", "Give their file by --forces FORCES."
+        )
     given = None if options.alpha is None else (options.alpha, options.beta)
     alpha, beta = rayleigh_coefficients(element) if given is None else given
-    attached = attach(element, _tower(options.tower), alpha=alpha, beta=beta)
+    attached = attach(element, _tower(options.tower, static=options.static), alpha=alpha, beta=beta)
     response = respond(element, attached, step=options.dt)
     arrays = {"t": response.dt * np.arange(len(response.force)), "interface_force": response.force}
     for place, motion in (("interface", response.interface), ("tower_top", response.top)):
         for name in ("displacement", "velocity", "acceleration"):
             arrays[f"{place}_{name}"] = getattr(motion, name)
     write_npz(options.output, arrays)
+    top = float(np.abs(response.top.displacement[:, :3]).max())
+    print(f"{options.output}: {len(response.force)} samples, largest tower-top displacement {top:.3f} m")
     return 0

@@ -33,14 +33,14 @@ class Target:
         Of the structure.
     dt : float
         Time step of the loads in s.
-    tower_top : float array [direction, 6], optional
+    tower_top : float array [more, 6], optional
         Further dashpots at the tower top, as roots of their coefficients.
     """
 
     tolerance: float
     damping: Damping
     dt: float
-    tower_top: Float[np.ndarray, "direction 6"] | None = None
+    tower_top: Float[np.ndarray, "more 6"] | None = None
 
 
 @dataclass(frozen=True)

@@ -158,7 +158,7 @@ def roots(matrix: Float[np.ndarray, "size size"]) -> Float[np.ndarray, "directio
 def dashpot_vectors(
     mesh: Mesh,
     damping: Damping,
-    tower_top: Float[np.ndarray, "direction 6"] | None = None,
+    tower_top: Float[np.ndarray, "more 6"] | None = None,
 ) -> Float[np.ndarray, "direction motion"]:
     """Vectors g [direction, 6 node] of the dashpots of structure and case: the damping matrix is sum g g'.
 
@@ -168,7 +168,7 @@ def dashpot_vectors(
         With the dashpots of its structure.
     damping : Damping
         With the dashpot at the tower top.
-    tower_top : float array [direction, 6], optional
+    tower_top : float array [more, 6], optional
         Further ones there, such as the aerodynamic damping of the rotor.
     """
     rows: list[Float[np.ndarray, " motion"]] = []
@@ -223,7 +223,7 @@ def drag_vectors(mesh: Mesh, basis: LoadBasis | None) -> csr_array:
 def idle_dashpots(mesh: Mesh, expansion: csr_array) -> tuple[str, ...]:
     """Names of the dashpots of which no end can move: they sit on fixed joints, and do nothing."""
     index = {name: i for i, name in enumerate(mesh.node_name)} | {TOWER_TOP: mesh.tower_top}
-    moves = np.diff(expansion.indptr).reshape(mesh.n_nodes, 6).any(axis=1)
+    moves = np.add.reduceat(np.diff(expansion.indptr), 6 * np.arange(mesh.n_nodes)) > 0
     return tuple(
         name
         for name, dashpot in mesh.structure.dashpots.items()
@@ -235,7 +235,7 @@ def all_vectors(
     mesh: Mesh,
     damping: Damping,
     basis: LoadBasis | None = None,
-    tower_top: Float[np.ndarray, "direction 6"] | None = None,
+    tower_top: Float[np.ndarray, "more 6"] | None = None,
 ) -> csr_array:
     """Vectors of :func:`dashpot_vectors` and :func:`drag_vectors` together."""
     return csr_array(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -115,7 +116,10 @@ def eigen_report(
     held = _lowest(assembly, FIXED_INTERFACE, None, n_modes)
 
     def lowest(of: Assembly) -> Solution:
-        return _lowest(of, name, basis, n_modes)
+        loads = basis  # the weights leave nodes and loads as they are
+        if basis is not None and of is not assembly:
+            loads = replace(basis, model_hash=of.mesh.structure.content_hash)
+        return _lowest(of, name, loads, n_modes)
 
     static_model = guyan(assembly)
     name = reduction or "full"

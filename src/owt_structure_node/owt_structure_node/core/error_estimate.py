@@ -75,7 +75,7 @@ class ErrorModel:
         Of the structure.
     dt : float
         Time step of the loads in s.
-    tower_top : float array [direction, 6], optional
+    tower_top : float array [more, 6], optional
         Further dashpots at the tower top, as roots of their coefficients.
 
     Raises
@@ -91,7 +91,7 @@ class ErrorModel:
         *,
         damping: Damping,
         dt: float,
-        tower_top: Float[np.ndarray, "direction 6"] | None = None,
+        tower_top: Float[np.ndarray, "more 6"] | None = None,
     ) -> None:
         n = assembly.internal
         self.assembly = assembly

@@ -136,7 +136,7 @@ def model_damping(
     model: ModalModel,
     damping: Damping,
     basis: LoadBasis | None = None,
-    tower_top: Float[np.ndarray, "direction 6"] | None = None,
+    tower_top: Float[np.ndarray, "more 6"] | None = None,
 ) -> ModalDamping:
     """Damping of the model's modes: Rayleigh, single modes, dashpots, and drag on the structure's own motion.
 
@@ -148,7 +148,7 @@ def model_damping(
         What the case says.
     basis : LoadBasis, optional
         With the damping of the nodes by drag, where the case counts it.
-    tower_top : float array [direction, 6], optional
+    tower_top : float array [more, 6], optional
         Further dashpots at the tower top, as roots of their coefficients.
 
     Raises

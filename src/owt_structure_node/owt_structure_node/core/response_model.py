@@ -20,6 +20,9 @@ from owt_structure_node.core.response import ModalModel, build_modal_model, desc
 from owt_structure_node.core.sim import StaticImprovement
 from owt_structure_node.core.tower_top import TowerTopLoad
 
+#: Lowest modes that blades may drive, and the share of their frequency that counts as near.
+BENDING, CLOSE = 2, 0.1
+
 __all__ = ["ResponseModel", "build_response_model", "n_mta"]
 
 
@@ -143,10 +146,32 @@ def build_response_model(
 def _notes(case: CaseConfig, model: ModalModel, tower_top_load: TowerTopLoad | None) -> tuple[str, ...]:
     """What is to be said of loads and dashpots."""
     notes = [] if tower_top_load is None else list(tower_top_load.notes)
-    ramp = case.structure.ramp_s
+    structure, ramp = case.structure, case.structure.ramp_s
     if ramp > 0.0:
         notes.append(f"loads rise from zero over the first {ramp:g} s, which the results count with the rest")
+    if ramp > case.time.duration_s:
+        notes.append(f"the record of {case.time.duration_s:g} s ends before the loads have risen")
+    notes += _resonance(model, tower_top_load)
+    rotor_damps = tower_top_load is not None and len(tower_top_load.dashpots) > 0
+    if rotor_damps and structure.damping.tower_top is not None:
+        notes.append(
+            "structure.damping.tower_top and the damping of the rotor both act at the tower top: leave one "
+            "out (wind.thrust.aerodynamic_damping) if they mean the same"
+        )
     idle = idle_dashpots(model.assembly.mesh, model.assembly.expansion)
     if idle:
         notes.append(f"dashpots {', '.join(idle)} do nothing: they sit on fixed joints")
     return tuple(notes)
+
+
+def _resonance(model: ModalModel, load: TowerTopLoad | None) -> list[str]:
+    """Say that blades pass the tower near the frequency of one of its lowest modes."""
+    passing = 0.0 if load is None else load.blade_passing_hz
+    own = model.frequency_hz[:BENDING]
+    near = own[np.abs(own - passing) < CLOSE * own]
+    if not len(near):
+        return []
+    return [
+        f"blades pass the tower at {passing:.3f} Hz (3P), within {CLOSE:.0%} of its mode at {near[0]:.3f} "
+        "Hz: the response is that of a resonance which a turbine's controller avoids"
+    ]

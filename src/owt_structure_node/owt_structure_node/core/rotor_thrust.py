@@ -16,6 +16,7 @@ from owt_model.errors import InputError
 from owt_structure_node.core.rotor_wind import Wind, realise_rotor_wind, rotor_variance, turbulence_at
 
 __all__ = [
+    "BLADES",
     "Rotor",
     "RotorThrust",
     "blade_wind",

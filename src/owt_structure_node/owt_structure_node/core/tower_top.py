@@ -13,7 +13,7 @@ from owt_model.contracts import LoadBlock, WrenchBlock
 from owt_model.errors import ComputationError, InputError
 from owt_model.timing import sample_time_ns
 from owt_model.wind_config import ThrustConfig
-from owt_structure_node.core.rotor_thrust import Rotor, rotor_thrust, tower_top_wrench
+from owt_structure_node.core.rotor_thrust import BLADES, Rotor, rotor_thrust, tower_top_wrench
 from owt_structure_node.core.rotor_wind import Wind
 
 __all__ = ["TowerTopLoad", "WrenchSamples", "beside", "thrust_load", "turned"]
@@ -52,11 +52,14 @@ class TowerTopLoad:
         Damping that belongs to the load, as roots of its coefficients.
     notes : tuple of str
         What the load lacks.
+    blade_passing_hz : float
+        Frequency in Hz at which blades pass the tower; 0 of a load that is not a rotor's.
     """
 
     wrench: Float[np.ndarray, "sample 6"] | None
     dashpots: Float[np.ndarray, "direction 6"] = field(default_factory=lambda: np.zeros((0, 6)))
     notes: tuple[str, ...] = ()
+    blade_passing_hz: float = 0.0
 
     def block(self, load: LoadBlock) -> WrenchBlock:
         """Samples that go with a block of wave loads.
@@ -125,7 +128,7 @@ def thrust_load(options: ThrustConfig, *, tower_top_z: float, dt: float, n: int)
     unit = tower_top_wrench(np.ones(1), direction_deg=wind.direction_deg, hub_above_top=rotor.hub_above_top)
     damped = options.aerodynamic_damping and found.damping > 0.0
     dashpots = np.sqrt(found.damping) * unit if damped else np.zeros((0, 6))
-    return TowerTopLoad(found.wrench, dashpots, found.notes)
+    return TowerTopLoad(found.wrench, dashpots, found.notes, BLADES * found.rotor_frequency)
 
 
 def turned(wrench: Float[np.ndarray, "sample 6"], direction_deg: float) -> Float[np.ndarray, "sample 6"]:

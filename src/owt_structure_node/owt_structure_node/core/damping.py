@@ -17,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.linalg import LinAlgError, eig
-from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csc_array, csr_array, vstack
 
 from owt_model.contracts import LoadBasis
@@ -327,6 +326,9 @@ def damped_modes(omega_squared: Float[np.ndarray, " mode"], damping: ModalDampin
     omega = np.sqrt(omega_squared)
     ratio = damping.diagonal / (2.0 * omega)
     if damping.coupling.shape[1]:
+        # Here: its import takes 0.1 s, and most models have nothing that couples.
+        from scipy.optimize import linear_sum_assignment
+
         try:
             value, vector = eig(_state_matrix(omega_squared, damping))
         except LinAlgError as error:

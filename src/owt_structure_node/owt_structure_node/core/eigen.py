@@ -113,13 +113,15 @@ def eigen_report(
         build_mesh(structure),
         interface_held=fixed_interface and structure.free,
     )
-    held = _lowest(assembly, FIXED_INTERFACE, None, n_modes)
+    coupled = bool(structure.dashpots) or damping.tower_top is not None
+    wanted = n_modes + (_MORE_MODES if coupled else 0)
+    held = _lowest(assembly, FIXED_INTERFACE, None, wanted)
 
     def lowest(of: Assembly) -> Solution:
         loads = basis  # the weights leave nodes and loads as they are
         if basis is not None and of is not assembly:
             loads = replace(basis, model_hash=of.mesh.structure.content_hash)
-        return _lowest(of, name, loads, n_modes)
+        return _lowest(of, name, loads, wanted)
 
     static_model = guyan(assembly)
     name = reduction or "full"
@@ -201,9 +203,8 @@ def _buckling_factor(elastic: csc_array, loaded: csc_array) -> float | None:
     return 1.0 / share if share > _RELIEF else None
 
 
-def _lowest(of: Assembly, reduction: str, basis: LoadBasis | None, n_modes: int) -> Solution:
-    """Lowest modes: more than `n_modes` where there are, since dashpots couple them."""
-    wanted = n_modes + _MORE_MODES
+def _lowest(of: Assembly, reduction: str, basis: LoadBasis | None, wanted: int) -> Solution:
+    """Lowest modes: `wanted`, fewer where there are fewer, all of a reduced model."""
     if reduction == FIXED_INTERFACE:
         n = of.internal
         k_ii, m_ii = csc_array(of.jacket_stiffness[:n, :n]), csc_array(of.jacket_mass[:n, :n])

@@ -78,7 +78,7 @@ def report_facts(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]
                 *(("note", note) for note in reduced.notes),
             ],
         ),
-        ("Lowest modes", _modes(data)),
+        ("Lowest modes: frequency, damping", _modes(data)),
         (
             "Fatigue",
             [
@@ -96,4 +96,4 @@ def report_facts(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]
 def _modes(data: ReportData) -> list[tuple[str, str]]:
     """Undamped frequency and damping ratio of the lowest modes."""
     lowest = zip(data.reduced.frequency_hz[:10], data.reduced.damping_ratio[:10], strict=True)
-    return [(f"mode {i}", f"{f:.4f} Hz, {100.0 * z:.2f} % damping") for i, (f, z) in enumerate(lowest, 1)]
+    return [(f"mode {i}", f"{f:.4f} Hz, {100.0 * z:.2f} %") for i, (f, z) in enumerate(lowest, 1)]

@@ -268,8 +268,8 @@ def test_a_file_that_is_refused_makes_configure_fail(domain: int, bag: Path, tmp
 
 
 def in_namespace(kind: type[StageNode]) -> type[StageNode]:
-    """The same node in the namespace /farm."""
-    make = {"__init__": lambda self, **options: kind.__init__(self, namespace="farm", **options)}
+    """The same node in the namespace /north."""
+    make = {"__init__": lambda self, **options: kind.__init__(self, namespace="north", **options)}
     return type(kind.__name__, (kind,), make)
 
 
@@ -278,11 +278,11 @@ def test_the_topics_live_in_the_namespace_of_the_graph(domain: int, bag: Path) -
     with LocalGraph(domain, case_of({"topic": {}}), bag, kinds, given) as graph:
         profile, heard = qos_for(STATUS), list[TowerTopLoad]()
         profile.depth = 200
-        graph.watcher.create_subscription(NodeStatus, "/farm/owt/status", graph.status.append, profile)
+        graph.watcher.create_subscription(NodeStatus, "/north/owt/status", graph.status.append, profile)
         graph.watcher.create_subscription(
-            TowerTopLoad, f"/farm{LABEL}", heard.append, qos_for(TOWER_TOP_LOAD, window=10)
+            TowerTopLoad, f"/north{LABEL}", heard.append, qos_for(TOWER_TOP_LOAD, window=10)
         )
-        other, rotor = RotorCode(graph), RotorCode(graph, f"/farm{INPUT}")
+        other, rotor = RotorCode(graph), RotorCode(graph, f"/north{INPUT}")
         graph.start()
         graph.spin_until(lambda: rotor.readers == 1)
         other.send(9 * SECOND, np.full(6, np.nan))  # nobody listens in the root namespace

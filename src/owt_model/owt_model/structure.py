@@ -63,6 +63,7 @@ __all__ = [
     "load_structure",
     "parse_structure",
     "shipped_structures",
+    "with_weights",
 ]
 
 
@@ -353,6 +354,13 @@ def case_structure(config: StructureConfig) -> Structure:
     names = ("jacket_stiffness_factor", "static_state")
     given = {name: getattr(config, name) for name in names if getattr(config, name) is not None}
     return load_structure(config.model).model_copy(update=given)
+
+
+def with_weights(structure: Structure) -> Structure:
+    """Count the geometric stiffness of the weights: as the structure says, of all where it says nothing."""
+    if structure.static_state is not None:
+        return structure
+    return structure.model_copy(update={"static_state": StaticState()})
 
 
 class _UniqueKeys(yaml.SafeLoader):

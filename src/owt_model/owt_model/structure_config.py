@@ -124,6 +124,11 @@ class Damping(Frozen):
         (f_1, d_1), (f_2, d_2) = self.fit
         return rayleigh_fit((f_1, f_2), (d_1, d_2))
 
+    def of_lowest(self, count: int) -> Damping:
+        """The same, but for ratios of modes beyond the first `count`."""
+        known = None if self.modes is None else tuple(mode for mode in self.modes if mode[0] <= count)
+        return self.model_copy(update={"modes": known})
+
     @property
     def mode_ratio(self) -> dict[int, float]:
         """Damping ratio of the modes that are given one, by their index from 0."""

@@ -11,7 +11,6 @@ from owt_model.errors import InputError
 
 if TYPE_CHECKING:
     from owt_model.contracts import LoadBasis
-    from owt_model.parts import StaticState
     from owt_model.structure import Structure
 
 HELP = "eigenfrequencies, damping, mass and Guyan stiffness of a structure"
@@ -50,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print the report, as a table or as JSON."""
     from owt_model.sensitivity import sensitivity_model
-    from owt_model.structure import case_structure
+    from owt_model.structure import case_structure, with_weights
     from owt_model.structure_config import StructureConfig
     from owt_structure_node.core.eigen import eigen_report
 
@@ -68,9 +67,7 @@ def run(options: argparse.Namespace) -> int:
     if options.tolerance is not None and options.reduction != "auto":
         raise InputError("tolerance", options.tolerance, "is that of auto", "Give --reduction auto as well.")
     config = sensitivity_model(options.sensitivity or "reference", StructureConfig(model=options.model))
-    if options.static and config.static_state is None:
-        config = config.model_copy(update={"static_state": _weights_of(options.model)})
-    structure = case_structure(config)
+    structure = with_weights(case_structure(config)) if options.static else case_structure(config)
     report = eigen_report(
         structure,
         damping=config.damping,
@@ -112,11 +109,3 @@ def _load_basis(structure: Structure, reduction: str | None) -> LoadBasis | None
     from owt_campaign.standard_load import standard_load_basis
 
     return standard_load_basis(structure, vectors)
-
-
-def _weights_of(model: str) -> StaticState:
-    """Static state of the structure, or that of all weights where it has none."""
-    from owt_model.parts import StaticState
-    from owt_model.structure import load_structure
-
-    return load_structure(model).static_state or StaticState()

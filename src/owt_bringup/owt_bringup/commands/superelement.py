@@ -222,14 +222,11 @@ def _read(options: argparse.Namespace) -> Superelement:
 def _tower(model: str, *, static: bool) -> Assembly:
     """Assemble the structure whose upper part goes on the file's jacket."""
     from owt_model.mesh import build_mesh
-    from owt_model.parts import StaticState
-    from owt_model.structure import load_structure
+    from owt_model.structure import load_structure, with_weights
     from owt_structure_node.core.assembly import assemble
 
     structure = load_structure(model)
-    if static and structure.static_state is None:
-        structure = structure.model_copy(update={"static_state": StaticState()})
-    return assemble(build_mesh(structure))
+    return assemble(build_mesh(with_weights(structure) if static else structure))
 
 
 def _show(options: argparse.Namespace) -> int:

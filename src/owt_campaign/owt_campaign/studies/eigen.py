@@ -22,7 +22,7 @@ from owt_model.sensitivity import SENSITIVITY_MODELS, sensitivity_model
 from owt_model.structure import case_structure, load_structure
 from owt_structure_node.core.assembly import Assembly, assemble
 from owt_structure_node.core.eigen import eigen_report
-from owt_structure_node.core.modes import dense_modes, lowest_modes
+from owt_structure_node.core.modes import dense_modes, hertz, lowest_modes
 from owt_structure_node.core.reduction import reduce
 
 __all__ = ["MODEL", "REDUCTIONS", "EigenStudy", "eigen_study", "quarter_turn_classes", "thesis_tables"]
@@ -93,11 +93,11 @@ def eigen_study() -> EigenStudy:
     assembly = assemble(build_mesh(structure))
     omega2, shapes = lowest_modes(assembly.stiffness, assembly.mass, SEARCHED)
     basis = standard_load_basis(structure, COUNT)
-    table, match = {"full": _hertz(omega2[:COUNT])}, {}
+    table, match = {"full": hertz(omega2[:COUNT])}, {}
     for name in REDUCTIONS:
         reduced = reduce(assembly, name, basis)
         found, modes = dense_modes(reduced.stiffness, reduced.mass)
-        table[name] = _hertz(found[:COUNT])
+        table[name] = hertz(found[:COUNT])
         match[name] = _matched(assembly, shapes, reduced.shapes @ modes[:, :COUNT])
     fixed, class_b2 = _fixed_interface(assembly)
     return EigenStudy(table, match, fixed, class_b2, {name: _damped(name) for name in SENSITIVITY_MODELS})
@@ -120,7 +120,7 @@ def _fixed_interface(assembly: Assembly) -> tuple[list[float], str]:
     shapes = np.zeros((assembly.mesh.n_dof, FIXED_COUNT))
     shapes[:n] = inside
     motion = np.asarray(assembly.expansion @ shapes).reshape(assembly.mesh.n_nodes, 6, -1)
-    return _hertz(omega2), quarter_turn_classes(assembly.mesh, motion)
+    return hertz(omega2), quarter_turn_classes(assembly.mesh, motion)
 
 
 def quarter_turn_classes(mesh: Mesh, motion: Float[np.ndarray, "node 6 mode"]) -> str:
@@ -155,8 +155,3 @@ def _damped(name: str) -> dict[str, list[float]]:
     config = sensitivity_model(name)
     report = eigen_report(case_structure(config), damping=config.damping, n_modes=COUNT)
     return {"frequency_hz": report["damped_frequencies_hz"], "logdec_percent": report["logdec_percent"]}
-
-
-def _hertz(omega_squared: Float[np.ndarray, " mode"]) -> list[float]:
-    frequency: list[float] = (np.sqrt(omega_squared) / (2.0 * np.pi)).tolist()
-    return frequency

@@ -32,6 +32,7 @@ __all__ = [
     "ModalDamping",
     "above_interface",
     "all_vectors",
+    "check_modes",
     "damped_modes",
     "dashpot_vectors",
     "drag_vectors",
@@ -117,19 +118,31 @@ def modal_damping(
     InputError
         If a ratio is given to a mode that there is not.
     """
+    check_modes(damping, len(omega_squared))
     alpha, beta = damping.rayleigh
     rate = alpha + beta * omega_squared
     for mode, ratio in damping.mode_ratio.items():
-        if mode >= len(rate):
-            raise InputError(
-                "structure.damping.modes",
-                mode + 1,
-                f"is not one of {len(rate)} modes",
-                "Count modes from 1, the lowest.",
-            )
         rate[mode] = 2.0 * ratio * np.sqrt(omega_squared[mode])
     none = np.zeros((len(rate), 0))
     return ModalDamping(rate, none if dashpots is None or not len(dashpots) else _compressed(dashpots.T))
+
+
+def check_modes(damping: Damping, count: int) -> None:
+    """Refuse a ratio of a mode beyond the `count` that there are.
+
+    Raises
+    ------
+    InputError
+        Naming the mode.
+    """
+    for mode in damping.mode_ratio:
+        if mode >= count:
+            raise InputError(
+                "structure.damping.modes",
+                mode + 1,
+                f"is not one of {count} modes",
+                "Count modes from 1, the lowest.",
+            )
 
 
 def _compressed(coupling: Float[np.ndarray, "mode direction"]) -> Float[np.ndarray, "mode kept"]:
@@ -154,6 +167,11 @@ def roots(matrix: Float[np.ndarray, "size size"]) -> Float[np.ndarray, "directio
     return np.asarray((vector[:, kept] * np.sqrt(value[kept])).T * scale)
 
 
+def _places(mesh: Mesh) -> dict[str, int]:
+    """Node of every name that a dashpot may have."""
+    return {name: i for i, name in enumerate(mesh.node_name)} | {TOWER_TOP: mesh.tower_top}
+
+
 def dashpot_vectors(
     mesh: Mesh,
     damping: Damping,
@@ -171,7 +189,7 @@ def dashpot_vectors(
         Further ones there, such as the aerodynamic damping of the rotor.
     """
     rows: list[Float[np.ndarray, " motion"]] = []
-    index = {name: i for i, name in enumerate(mesh.node_name)} | {TOWER_TOP: mesh.tower_top}
+    index = _places(mesh)
 
     def add(place: int, other: int | None, directions: Float[np.ndarray, "direction 6"]) -> None:
         for g in directions:
@@ -221,7 +239,7 @@ def drag_vectors(mesh: Mesh, basis: LoadBasis | None) -> csr_array:
 
 def idle_dashpots(mesh: Mesh, expansion: csr_array) -> tuple[str, ...]:
     """Names of the dashpots of which no end can move: they sit on fixed joints, and do nothing."""
-    index = {name: i for i, name in enumerate(mesh.node_name)} | {TOWER_TOP: mesh.tower_top}
+    index = _places(mesh)
     moves = np.add.reduceat(np.diff(expansion.indptr), 6 * np.arange(mesh.n_nodes)) > 0
     return tuple(
         name

@@ -15,18 +15,19 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 from owt_model.contracts import LoadBasis
 from owt_model.errors import ComputationError, InputError
 from owt_model.mesh import build_mesh
-from owt_model.structure import StaticState, Structure
+from owt_model.structure import Structure, with_weights
 from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import Assembly, assemble, element_transformation
 from owt_structure_node.core.auto import Target, chosen_reduction
 from owt_structure_node.core.damping import (
     DampedModes,
+    all_vectors,
+    check_modes,
     damped_modes,
-    dashpot_vectors,
     modal_damping,
     with_static_responses,
 )
-from owt_structure_node.core.modes import dense_modes, factorise, lowest_modes
+from owt_structure_node.core.modes import dense_modes, factorise, hertz, lowest_modes
 from owt_structure_node.core.reduction import guyan, reduce
 from owt_structure_node.core.static import weights
 
@@ -107,8 +108,8 @@ def eigen_report(
     if n_modes < 1:
         raise InputError("n_modes", n_modes, "must be at least 1", "Ask for 20.")
     damping = Damping() if damping is None else damping
-    if static and structure.static_state is None:
-        structure = structure.model_copy(update={"static_state": StaticState()})
+    if static:
+        structure = with_weights(structure)
     assembly = assemble(
         build_mesh(structure),
         interface_held=fixed_interface and structure.free,
@@ -143,11 +144,11 @@ def eigen_report(
         "degrees_of_freedom": size,
         "mass_kg": assembly.structural_mass_kg,
         "masses_kg": dict(assembly.mass_kg),
-        "frequencies_hz": _hertz(omega2),
+        "frequencies_hz": hertz(omega2),
         "damped_frequencies_hz": decay.frequency_hz[:n_modes].tolist(),
         "damping_ratio": decay.ratio[:n_modes].tolist(),
         "logdec_percent": [value if np.isfinite(value) else None for value in decrement.tolist()],
-        "fixed_interface_frequencies_hz": _hertz(held[0][:n_modes]),
+        "fixed_interface_frequencies_hz": hertz(held[0][:n_modes]),
         "guyan_stiffness": static_model.stiffness.tolist(),
         "guyan_mass": static_model.mass.tolist(),
         "not_supported": list(structure.notes),
@@ -174,7 +175,7 @@ def _static_effect(
     state = structure.static_state
     assert state is not None  # --static gave it one
     return {
-        "frequencies_hz": _hertz(without),
+        "frequencies_hz": hertz(without),
         "change_percent": (100.0 * (np.sqrt(omega2 / without) - 1.0)).tolist(),
         "buckling_factor": _buckling_factor(elastic.stiffness, assembly.stiffness),
         "weight_n": -float(
@@ -226,18 +227,9 @@ def _decay(
 ) -> DampedModes:
     """Damped decay of the modes; of those that are not known what dashpots need."""
     omega2, shapes = modes
-    for mode in damping.mode_ratio:
-        if mode >= size:
-            raise InputError(
-                "structure.damping.modes",
-                mode + 1,
-                f"is not one of {size} modes",
-                "Count from 1.",
-            )
-    known = tuple(entry for entry in damping.modes or () if entry[0] <= len(omega2))
-    damping = damping.model_copy(update={"modes": known})
-    n = len(shapes)
-    dashpots = np.asarray((assembly.expansion.T @ dashpot_vectors(assembly.mesh, damping).T).T)[:, :n]
+    check_modes(damping, size)
+    damping, n = damping.of_lowest(len(omega2)), len(shapes)
+    dashpots = (all_vectors(assembly.mesh, damping) @ assembly.expansion).toarray()[:, :n]
     if reduction in ("full", FIXED_INTERFACE) and len(omega2) < n and dashpots.any():
         held = reduction == FIXED_INTERFACE
         k, m = (
@@ -246,8 +238,3 @@ def _decay(
         k, m = csc_array(k[:n, :n]), csc_array(m[:n, :n])
         omega2, shapes = with_static_responses(factorise(k), k, m, modes, dashpots[dashpots.any(axis=1)])
     return damped_modes(omega2, modal_damping(omega2, damping, dashpots @ shapes))
-
-
-def _hertz(omega_squared: Float[np.ndarray, " mode"]) -> list[float]:
-    frequency: list[float] = (np.sqrt(omega_squared) / (2.0 * np.pi)).tolist()
-    return frequency

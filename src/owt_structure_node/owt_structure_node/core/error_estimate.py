@@ -113,8 +113,7 @@ class ErrorModel:
         self.end_name = assembly.mesh.end_name
         self._moments(basis, dt)
         self._energies(basis, loads)
-        known = tuple(mode for mode in damping.modes or () if mode[0] <= LOW_MODES)
-        self.damping = damping.model_copy(update={"modes": known})
+        self.damping = damping.of_lowest(LOW_MODES)
         self.dashpots = all_vectors(assembly.mesh, damping, basis, tower_top) @ assembly.expansion
         self._low_modes(loads)
         self._reference_stress()

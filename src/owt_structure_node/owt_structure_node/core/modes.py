@@ -12,7 +12,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, SuperLU, eigsh, spl
 
 from owt_model.errors import ComputationError
 
-__all__ = ["Factor", "dense_modes", "factorise", "lowest_modes"]
+__all__ = ["Factor", "dense_modes", "factorise", "hertz", "lowest_modes"]
 
 Modes = tuple[Float[np.ndarray, " mode"], Float[np.ndarray, "dof mode"]]
 #: Pivot of the equilibrated matrix below which the factorisation has lost all digits.
@@ -205,3 +205,9 @@ def _positive(shapes: Float[np.ndarray, "dof mode"]) -> Float[np.ndarray, "dof m
     """Fix the open sign: the largest entry of each shape is positive."""
     largest = shapes[np.abs(shapes).argmax(axis=0), np.arange(shapes.shape[1])]
     return np.ascontiguousarray(shapes * np.where(largest < 0.0, -1.0, 1.0))
+
+
+def hertz(omega_squared: Float[np.ndarray, " mode"]) -> list[float]:
+    """Natural frequencies in Hz of omega^2 in rad2/s2."""
+    frequency: list[float] = (np.sqrt(omega_squared) / (2.0 * np.pi)).tolist()
+    return frequency

@@ -22,7 +22,7 @@ from owt_model.errors import InputError
 from owt_model.reduction_name import ReductionName, parse_reduction
 from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import DOF_NAME, Assembly
-from owt_structure_node.core.damping import dashpot_vectors
+from owt_structure_node.core.damping import all_vectors
 from owt_structure_node.core.modes import Factor, factorise, lowest_modes
 from owt_structure_node.core.mta import Augmentation, augment
 from owt_structure_node.core.sim import StaticImprovement
@@ -233,8 +233,8 @@ def _inner_dashpots(assembly: Assembly) -> Float[np.ndarray, "internal direction
 
     Low modes alone hold the ends of a dashpot between two braces almost at rest to each other.
     """
-    vectors = assembly.expansion.T @ dashpot_vectors(assembly.mesh, Damping()).T
-    inside = np.asarray(vectors)[: assembly.internal]
+    vectors = all_vectors(assembly.mesh, Damping()) @ assembly.expansion
+    inside = vectors.toarray()[:, : assembly.internal].T
     return np.ascontiguousarray(inside[:, inside.any(axis=0)])
 
 

@@ -18,7 +18,7 @@ from owt_model.reduction_name import parse_reduction
 from owt_model.structure_config import Damping
 from owt_model.superelement import INTERFACE, Superelement
 from owt_structure_node.core.assembly import DOF_NAME, Assembly
-from owt_structure_node.core.damping import above_interface, dashpot_vectors
+from owt_structure_node.core.damping import above_interface, all_vectors
 from owt_structure_node.core.modes import dense_modes
 from owt_structure_node.core.reduction import Reduction
 
@@ -215,7 +215,7 @@ def attach(element: Superelement, assembly: Assembly, *, alpha: float, beta: flo
     held = slice(assembly.internal, None)
     stiffness = assembly.upper_stiffness[held, held].toarray()
     mass = assembly.upper_mass[held, held].toarray()
-    vectors = csr_array(dashpot_vectors(mesh, Damping()))
+    vectors = all_vectors(mesh, Damping())
     on_tower, below = above_interface(mesh, vectors)
     g = (vectors[on_tower & ~below] @ assembly.expansion[:, held]).toarray()
     damping = alpha * mass + beta * stiffness + g.T @ g

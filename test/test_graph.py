@@ -42,7 +42,9 @@ def partial_of(bag: Path) -> Path:
 def test_the_bag_holds_the_numbers_of_the_run_in_one_process(tmp_path: Path) -> None:
     case, bag = short_case(wave={"order": 2}), tmp_path / "bags" / "run"
     seen: list[tuple[float, float]] = []
-    result = run_graph(case, bag, progress=lambda reached, duration: seen.append((reached, duration)))
+    result = run_graph(
+        case, bag, record="all", progress=lambda reached, duration: seen.append((reached, duration))
+    )
     assert result.bag == bag
     assert sorted(p.name for p in bag.iterdir()) == ["log", "metadata.yaml", "run_0.mcap"]
     assert [p.name for p in bag.parent.iterdir()] == ["run"], "nothing is left beside the bag"
@@ -67,7 +69,7 @@ def test_the_case_of_a_bag_runs_again_without_the_file_of_its_sea(tmp_path: Path
     record, bag = tmp_path / "record.csv", tmp_path / "run"
     record.write_text("".join(f"{i * 0.5:.1f},{math.sin(0.9 * i * 0.5)!r}\n" for i in range(100)))
     case = short_case(sea_state=None, measured={"path": str(record), "cutoff_rad_s": 2.0})
-    run_graph(case, bag)
+    run_graph(case, bag, record="all")
     record.unlink()
     again = parse_case(read_files(bag).case)
     assert again.measured is None

@@ -159,7 +159,7 @@ def test_thrust_in_three_processes_equals_the_run_in_one(bag: Path) -> None:
     """Every number, through a parameter file and DDS into the bag, which holds the load itself."""
     ramped = {"reduction": "CB04M03", "ramp_s": 2.0}
     case = case_of({"thrust": THRUST}, structure=ramped)
-    result = run_graph(case, bag)
+    result = run_graph(case, bag, record="all")
     wanted = expected(case)
     assert_equal(read_by_rosbags(bag), wanted)
     assert result.statistics["messages"][LABEL] == 3

@@ -166,6 +166,7 @@ def run_graph(
     bag: Path,
     *,
     overwrite: bool = False,
+    record: str = "default",
     progress: Callable[[float, float], None] | None = None,
     timeouts: Timeouts | None = None,
     domain_id: int | None = None,
@@ -182,6 +183,8 @@ def run_graph(
         ``.NAME.partial`` beside it, with the nodes' logs.
     overwrite : bool
         Replace an existing bag.
+    record : str
+        "default" or "all": what the bag keeps (:class:`owt_ros.selection.Selection`).
     progress : callable, optional
         Called with the simulated time reached and the duration, in s.
     timeouts : Timeouts, optional
@@ -208,7 +211,7 @@ def run_graph(
     began = {"start": time.monotonic()}
     with _work_folder(bag) as folder, own_domain(domain_id) as domain, _signals() as should_stop:
         parameters = folder / "parameters.yaml"
-        options = {POSTPROC: {"bag": str(bag), "overwrite": overwrite}}
+        options = {POSTPROC: {"bag": str(bag), "overwrite": overwrite, "record": record}}
         parameters.write_text(parameter_yaml(case, options), encoding="utf-8")
         arguments = ["--ros-args", "--disable-external-lib-logs", "--params-file", str(parameters)]
         environment = _environment(domain, folder)

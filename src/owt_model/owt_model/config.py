@@ -162,6 +162,12 @@ class Stream(Frozen):
     block: int = Field(50, ge=1, le=10_000, description="load samples per block")
     window: int = Field(4, ge=1, le=64, description="blocks in flight before a producer waits for credit")
     rate: float = Field(0.0, ge=0.0, le=100.0, description="simulated s per s; 0 as fast as the slowest node")
+    late_s: float = Field(
+        10.0,
+        ge=0.0,
+        le=600.0,
+        description="wall time in s that a consumer may be late, at a rate, before it loses blocks",
+    )
 
 
 class CaseConfig(Frozen):

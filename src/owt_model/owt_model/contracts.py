@@ -188,7 +188,8 @@ class LoadBasis:
 class ReducedDescription:
     """Names and frequencies of the assembled reduced model, in the order of its arrays.
 
-    ``substructure_name`` are the parts that the energies are given for.
+    ``substructure_name`` are the parts that the energies are given for. ``end_usage`` is the standard
+    deviation in Pa of the normal stress that the load basis lets expect at each end; empty where not known.
 
     ``reduction`` is the basis in use, where the case leaves the choice (``auto``) too; ``notes`` say what it
     has less than was asked for, and what is known of its error.
@@ -204,6 +205,7 @@ class ReducedDescription:
     tower_top_coordinate: int
     notes: tuple[str, ...] = ()
     substructure_name: tuple[str, ...] = ()
+    end_usage: Float[np.ndarray, " end"] = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)

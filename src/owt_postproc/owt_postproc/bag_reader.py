@@ -155,7 +155,7 @@ def read_bag(bag: str | Path, *, types: Collection[str] | None = None) -> BagArr
 
 
 #: Fields of block messages that do not run over the samples.
-_PER_BLOCK = ("gauge_m", "node", "element")
+_PER_BLOCK = ("gauge_m", "node", "element", "end")
 
 
 def _fields(content: Any) -> dict[str, Any]:

@@ -7,7 +7,7 @@ import sys
 from collections import deque
 from contextlib import suppress
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from owt_msgs.msg import MemberStress, ReducedModel
@@ -22,6 +22,7 @@ from owt_postproc.recorder import Recorder
 from owt_ros import convert, decode, topics
 from owt_ros.lifecycle import RATE_SUFFIX, NodeOptions, StageNode
 from owt_ros.process import interruptible, run
+from owt_ros.selection import Selection
 from owt_ros.topics import Kind, Topic
 from owt_ros.wire import Head, peek_stamp, time_ns
 
@@ -33,6 +34,12 @@ class PostprocOptions(NodeOptions):
 
     bag: str = Field("", description="folder to record into; it gets this name when it is complete")
     overwrite: bool = Field(False, description="replace an existing bag when the new one is complete")
+    record: Literal["default", "all"] = Field(
+        "default", description="what the bag keeps: what the rest is computed from, or everything"
+    )
+    record_ends: int = Field(
+        8, ge=0, le=100_000, description="member ends, the most used, whose stress the default keeps"
+    )
 
 
 class PostprocNode(StageNode):
@@ -51,7 +58,10 @@ class PostprocNode(StageNode):
         self._case = case
         self._model: FatigueModel | None = None
         self._pending: deque[bytes] = deque()
-        self._recorder = Recorder(self.options.bag, case, overwrite=self.options.overwrite)
+        self._selection = Selection(everything=self.options.record == "all", ends=self.options.record_ends)
+        self._recorder = Recorder(
+            self.options.bag, case, overwrite=self.options.overwrite, selection=self._selection
+        )
         self._fatigue = self.outlet(topics.FATIGUE)
         self._streams = {}
         for topic in topics.recorded(case):
@@ -62,20 +72,21 @@ class PostprocNode(StageNode):
         self.inlet(topics.CLOCK, self._on_clock, raw=True)
         self.inlet(topics.DIAGNOSTICS, self._on_diagnostics, raw=True)
 
-    def _write(self, topic: Topic, cdr: bytes, at_ns: int) -> None:
+    def _record(self, topic: Topic, cdr: bytes, at_ns: int, *, last: bool = False) -> None:
         if self._recorder is not None:
-            self._recorder.write(topic, cdr, time_ns=at_ns)
+            self._recorder.put(topic, cdr, time_ns=at_ns, last=last)
 
     def _on_latched(self, topic: Topic, cdr: bytes) -> None:
-        self._write(topic, cdr, 0)
         if topic is topics.REDUCED_MODEL and self._model is None:
-            ends = len(deserialize_message(cdr, ReducedModel).end_name)
-            self._model = build_fatigue_model(self._case, n_ends=ends)
+            self._reduced = decode.to_reduced_model(deserialize_message(cdr, ReducedModel))
+            self._selection.learn(self._reduced)
+            self._model = build_fatigue_model(self._case, n_ends=len(self._reduced.end_name))
             self._state = initial_state(self._model)
+        self._record(topic, cdr, 0)
         self.advance()
 
     def _on_data(self, topic: Topic, head: Head, cdr: bytes) -> None:
-        self._write(topic, cdr, head.time_ns)
+        self._record(topic, cdr, head.time_ns, last=head.last)
         if topic is topics.MEMBER_STRESS:
             self._pending.append(cdr)
         else:
@@ -83,20 +94,24 @@ class PostprocNode(StageNode):
         self.advance()
 
     def _on_clock(self, cdr: bytes) -> None:
-        self._write(topics.CLOCK, cdr, peek_stamp(cdr))
+        self._record(topics.CLOCK, cdr, peek_stamp(cdr))
         self.advance()
 
     def _on_diagnostics(self, cdr: bytes) -> None:
-        names = [status.name for status in deserialize_message(cdr, DiagnosticArray).status]
-        if not any(name.endswith(RATE_SUFFIX) or name.startswith(self.ROLE) for name in names):
-            self._write(topics.DIAGNOSTICS, cdr, peek_stamp(cdr))
+        """Mark in the bag what went wrong elsewhere: an ordinary run has no marks, whatever arrives when."""
+        status = deserialize_message(cdr, DiagnosticArray).status
+        names = [entry.name for entry in status]
+        worst = max((entry.level for entry in status), default=DiagnosticStatus.OK)
+        own = any(name.endswith(RATE_SUFFIX) or name.startswith(self.ROLE) for name in names)
+        if worst != DiagnosticStatus.OK and not own:
+            self._record(topics.DIAGNOSTICS, cdr, peek_stamp(cdr))
 
     def diagnose(self, level: bytes, message: str, *, suffix: str = "", **values: Any) -> DiagnosticArray:
         """Publish a diagnostic, and record it if it holds no wall time."""
         diagnostic = super().diagnose(level, message, suffix=suffix, **values)
         if suffix != RATE_SUFFIX:
             with suppress(OwtError):
-                self._write(topics.DIAGNOSTICS, serialize_message(diagnostic), self.time_ns)
+                self._record(topics.DIAGNOSTICS, serialize_message(diagnostic), self.time_ns)
         return diagnostic
 
     def advance(self) -> None:
@@ -107,18 +122,13 @@ class PostprocNode(StageNode):
                 self._state, block = step(self._model, self._state, stress)
             message = convert.fatigue_message(block)
             self._fatigue.send(message)
-            self._write(topics.FATIGUE, serialize_message(message), time_ns(message.header.stamp))
+            at_ns = time_ns(message.header.stamp)
+            self._record(topics.FATIGUE, serialize_message(message), at_ns, last=block.last)
             self._streams[topics.MEMBER_STRESS].acknowledge(stress.sequence)
             self._largest = float(block.damage.max())
-            self.report(time_ns=time_ns(message.header.stamp))
-        if self._recorder is not None and self._is_complete(self._recorder.counts):
+            self.report(time_ns=at_ns)
+        if self._recorder is not None and self._recorder.is_complete:
             self._finish(self._recorder)
-
-    def _is_complete(self, counts: dict[str, int]) -> bool:
-        """Tell whether everything that belongs in the bag has arrived."""
-        ended = all(inlet.guard.finished for inlet in self._streams.values()) and not self._pending
-        latched = all(counts[topic.label] for topic in topics.RECORDED if topic.kind is Kind.LATCHED)
-        return ended and latched and counts[topics.CLOCK.label] >= counts[topics.NODAL_LOADS.label]
 
     def _finish(self, recorder: Recorder) -> None:
         self.diagnose(DiagnosticStatus.OK, "complete", samples=self._state.samples)

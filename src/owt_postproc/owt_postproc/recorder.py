@@ -1,22 +1,33 @@
-"""What the postproc node writes: a bag of the graph's topics, from serialised messages."""
+"""Recording a run of the graph: the topics of a case in one bag, in an order that depends on the case alone.
+
+Messages of different topics arrive in an order that varies from run to run. They are held until it is their
+turn: what is latched first, then block by block the topics in the order of :func:`owt_ros.topics.recorded`.
+Flow control bounds what is held to a few blocks.
+"""
 
 from __future__ import annotations
 
 import time
+from collections import deque
 from pathlib import Path
 
 from owt_model.config import CaseConfig
-from owt_model.errors import OwtError
+from owt_model.errors import ComputationError, OwtError
 from owt_model.versions import versions
 from owt_postproc.bag import BagWriter
-from owt_ros import schema
+from owt_ros import schema, topics
+from owt_ros.cdr import canonical
+from owt_ros.selection import Selection
 from owt_ros.topics import Kind, Topic, recorded
 
 __all__ = ["Recorder"]
 
+#: Wall time in s after which a recording in real time shows what it has: what a killed one loses at most.
+FLUSH_S = 1.0
+
 
 class Recorder:
-    """A bag with the topics of the graph; everything has its name in the bag from the start.
+    """One recording.
 
     Parameters
     ----------
@@ -26,6 +37,8 @@ class Recorder:
         Attached to the bag.
     overwrite : bool
         Replace an existing bag when the new one is complete.
+    selection : Selection
+        What is kept of each message; it knows the reduced model before the first block is written.
 
     Raises
     ------
@@ -33,11 +46,21 @@ class Recorder:
         If the bag cannot be begun there.
     """
 
-    def __init__(self, bag: str, case: CaseConfig, *, overwrite: bool) -> None:
+    def __init__(self, bag: str, case: CaseConfig, *, overwrite: bool, selection: Selection) -> None:
+        self._selection = selection
         self._writer = BagWriter(bag, overwrite=overwrite)
-        self.counts = {topic.label: 0 for topic in recorded(case)}
+        wanted = recorded(case)
+        self.counts = {topic.label: 0 for topic in wanted}
+        self._held: dict[Topic, deque[tuple[bytes, int]]] = {topic: deque() for topic in wanted}
+        self._latched = [topic for topic in wanted if topic.kind is Kind.LATCHED]
+        self._blocks = [topic for topic in wanted if topic.kind is Kind.DATA or topic is topics.CLOCK]
+        self._turn = 0
+        self._ended: set[Topic] = set()
+        self._flush_ns = round(FLUSH_S * case.stream.rate * 1e9)
+        self._flushed_ns = 0
+        self._last_log_ns, self._clock_ns = 0, -1
         try:
-            for topic in recorded(case):
+            for topic in wanted:
                 name = schema.type_name(topic.message)
                 self._writer.add_topic(
                     topic.label,
@@ -58,16 +81,96 @@ class Recorder:
         """Name of the bag once it is complete."""
         return self._writer.path
 
-    def write(self, topic: Topic, cdr: bytes, *, time_ns: int) -> None:
-        """Append a serialised message of simulated time `time_ns`, as received now.
+    @property
+    def folder(self) -> Path:
+        """Where the recording lies now."""
+        return self._writer.folder
+
+    @property
+    def held(self) -> int:
+        """Messages that wait for their turn."""
+        return sum(map(len, self._held.values()))
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether everything that belongs in the bag is in it."""
+        return not self._latched and not self.held and all(map(self._has_ended, self._blocks))
+
+    def put(self, topic: Topic, cdr: bytes, *, time_ns: int, last: bool = False) -> None:
+        """Take the next message of a topic; `last` ends it.
+
+        Parameters
+        ----------
+        topic : Topic
+            One of the case.
+        cdr : bytes
+            The message.
+        time_ns : int
+            Its simulated time.
+        last : bool
+            Whether no other follows.
 
         Raises
         ------
         ComputationError
-            If the bag cannot be written any further.
+            If the bag cannot be written any further, a second message comes on a latched topic, or the clock
+            goes back.
         """
-        self._writer.write(topic.label, cdr, log_time_ns=time.time_ns(), publish_time_ns=time_ns)
+        self._check(topic, time_ns)
         self.counts[topic.label] += 1
+        if topic.kind is Kind.EVENT and topic is not topics.CLOCK:
+            self._write(topic, cdr, time_ns)  # a mark stands where the recording is
+            return
+        self._held[topic].append((cdr, time_ns))
+        if last:
+            self._ended.add(topic)
+        self._write_what_is_due()
+
+    def _check(self, topic: Topic, time_ns: int) -> None:
+        """Refuse what only a second producer sends; numbered streams are checked by their sequence."""
+        if topic.kind is Kind.LATCHED and self.counts[topic.label]:
+            raise ComputationError(
+                f"a second message on {topic.label}: only one node may publish it, once for each run"
+            )
+        if topic is topics.CLOCK:
+            if time_ns <= self._clock_ns:
+                raise ComputationError(
+                    f"{topic.label} went from {self._clock_ns * 1e-9:.9g} s to {time_ns * 1e-9:.9g} s: only "
+                    "one node may publish it"
+                )
+            self._clock_ns = time_ns
+
+    def _write_what_is_due(self) -> None:
+        while self._latched and self._held[self._latched[0]]:
+            topic = self._latched.pop(0)
+            self._write(topic, *self._held[topic].popleft())
+        while not self._latched and self.held:
+            topic = self._blocks[self._turn]
+            if self._held[topic]:
+                self._write(topic, *self._held[topic].popleft())
+            elif not self._has_ended(topic):
+                return
+            self._turn = (self._turn + 1) % len(self._blocks)
+
+    def _has_ended(self, topic: Topic) -> bool:
+        """Tell whether the last message of a topic is there; the clock ticks once for each block of loads."""
+        if topic is not topics.CLOCK:
+            return topic in self._ended
+        ticks, blocks = self.counts[topics.CLOCK.label], self.counts[topics.NODAL_LOADS.label]
+        return topics.NODAL_LOADS in self._ended and ticks >= blocks
+
+    def _write(self, topic: Topic, cdr: bytes, time_ns: int) -> None:
+        # Log times increase, so that readers, which sort by them, keep the order of the file.
+        self._last_log_ns = max(time.time_ns(), self._last_log_ns + 1)
+        kept = canonical(topic.message, self._selection.of(topic, cdr))
+        self._writer.write(topic.label, kept, log_time_ns=self._last_log_ns, publish_time_ns=time_ns)
+        if topic is self._blocks[-1] and self._flush_ns and time_ns - self._flushed_ns >= self._flush_ns:
+            self._flushed_ns = time_ns
+            self._writer.flush()
+
+    def flush(self) -> None:
+        """Show readers what has been written so far."""
+        self._writer.flush()
 
     def close(self) -> None:
         """Complete the bag and give it its name."""
@@ -76,6 +179,10 @@ class Recorder:
     def break_off(self) -> None:
         """End a recording that will not be complete: a readable bag under its partial name."""
         try:
+            while self.held:
+                for topic in self._held:
+                    if self._held[topic]:
+                        self._write(topic, *self._held[topic].popleft())
             self._writer.seal()
         finally:
             self._writer.abandon()

@@ -129,6 +129,7 @@ def reduced_model_message(description: ReducedDescription) -> owt.ReducedModel:
         end_name=list(description.end_name),
         end_member=uint32s(ends // 2),
         end_side=flat_array("B", np.uint8, ends % 2),
+        end_usage=doubles(description.end_usage),
         notes=list(description.notes),
         substructure_name=list(description.substructure_name),
     )

@@ -1,15 +1,48 @@
 """Flow control: a producer keeps at most a window of blocks in flight, a consumer acknowledges each.
 
+In real time a producer waits for nobody: the window then says from where on a consumer is late, and the
+history of the transport how late it may be.
 Pure bookkeeping, no ROS: the node base wires it to ``/owt/credit``.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 
+from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, InputError
 
-__all__ = ["CreditWindow", "StreamGuard"]
+__all__ = ["CreditWindow", "Flow", "StreamGuard", "flow_of"]
+
+
+@dataclass(frozen=True)
+class Flow:
+    """How the streams of a graph flow.
+
+    Attributes
+    ----------
+    window : int
+        Blocks in flight beyond which a producer waits, or a consumer is late.
+    most : int
+        Most blocks in flight that the transport keeps.
+    waits : bool
+        Whether a producer waits.
+    """
+
+    window: int = 1
+    most: int = 1
+    waits: bool = True
+
+
+def flow_of(case: CaseConfig) -> Flow:
+    """Return the flow of a case: credits at full speed, a deep history in real time."""
+    stream = case.stream
+    if stream.rate == 0.0:
+        return Flow(stream.window, stream.window)
+    per_second = stream.rate / (stream.block * case.time.dt_s)
+    return Flow(stream.window, stream.window + math.ceil(stream.late_s * per_second), waits=False)
 
 
 class CreditWindow:
@@ -17,16 +50,16 @@ class CreditWindow:
 
     Parameters
     ----------
-    window : int
-        Most blocks in flight.
+    flow : Flow
+        Of the graph.
     consumers : iterable of str
         Names of the nodes that acknowledge; the slowest counts. Without any, the window is always open.
     """
 
-    def __init__(self, window: int, consumers: Iterable[str]) -> None:
-        if window < 1:
-            raise InputError("stream.window", window, "must be at least 1", "Use 4.")
-        self._window = window
+    def __init__(self, flow: Flow, consumers: Iterable[str]) -> None:
+        if flow.window < 1:
+            raise InputError("stream.window", flow.window, "must be at least 1", "Use 4.")
+        self._flow = flow
         self._acknowledged = dict.fromkeys(consumers, 0)
         self._sent = 0
 
@@ -43,7 +76,17 @@ class CreditWindow:
     @property
     def is_open(self) -> bool:
         """Whether one more block may be sent."""
-        return self.in_flight < self._window
+        return not self._flow.waits or self.in_flight < self._flow.window
+
+    @property
+    def behind(self) -> int:
+        """Blocks by which the slowest consumer exceeds the window: it is late."""
+        return max(0, self.in_flight - self._flow.window)
+
+    @property
+    def lost(self) -> int:
+        """Blocks that the slowest consumer can no longer get: the transport has dropped them."""
+        return max(0, self.in_flight - self._flow.most)
 
     @property
     def slowest(self) -> str:

@@ -76,7 +76,13 @@ def to_reduced_model(message: Any) -> ReducedDescription:
         # older recordings have none of these
         notes=tuple(getattr(message, "notes", ())),
         substructure_name=tuple(getattr(message, "substructure_name", ())),
+        end_usage=_or_empty(message, "end_usage"),
     )
+
+
+def _or_empty(message: Any, name: str) -> Float[np.ndarray, " value"]:
+    """Field `name`, empty in recordings older than it."""
+    return read_doubles(message, name, -1) if hasattr(message, name) else np.zeros(0)
 
 
 def _spectrum(message: Any) -> Float[np.ndarray, "shape band"]:

@@ -17,6 +17,7 @@ from owt_msgs.msg import Credit, NodeStatus
 from pydantic import BaseModel, ConfigDict, Field
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from std_msgs.msg import Header
@@ -24,6 +25,7 @@ from std_msgs.msg import Header
 from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, OwtError
 from owt_ros.convert import stamp
+from owt_ros.credits import Flow, flow_of
 from owt_ros.parameters import NodeParameters
 from owt_ros.peers import Peers
 from owt_ros.qos import qos_for
@@ -72,12 +74,13 @@ class StageNode(LifecycleNode):
         self.options = self.OPTIONS()
         self.time_ns = 0
         self.active = False
-        self.window = 1
+        self.flow = Flow()
         self._failed = False
         self._outlets: list[Outlet] = []
         self._inlets: list[Inlet] = []
         self._backlog: list[tuple[Callable[[Any], None], Any]] = []
         self._ticks: list[Timer] = []
+        self._served: list[Service[Any, Any]] = []
         self._starting: Timer | None = None
         self._credit_in: Subscription[Credit] | None = None
         self._credit_out: Any = None
@@ -106,7 +109,7 @@ class StageNode(LifecycleNode):
 
     def outlet(self, topic: Topic) -> Outlet:
         """Publish `topic`."""
-        outlet = Outlet(self, topic, window=self.window)
+        outlet = Outlet(self, topic, flow=self.flow)
         self._outlets.append(outlet)
         return outlet
 
@@ -119,11 +122,15 @@ class StageNode(LifecycleNode):
             receive=self._receive,
             acknowledge=self._credit_out,
             consumer=self.ROLE,
-            window=self.window,
+            flow=self.flow,
             raw=raw,
         )
         self._inlets.append(inlet)
         return inlet
+
+    def serve(self, kind: type[Any], name: str, answer: Callable[[Any, Any], Any]) -> None:
+        """Offer a service from now until the node is cleaned up."""
+        self._served.append(self.create_service(kind, name, answer))
 
     def every(self, period_s: float, callback: Callable[[], None]) -> None:
         """Call `callback` every `period_s` seconds of wall time while the node is active."""
@@ -224,7 +231,11 @@ class StageNode(LifecycleNode):
         blocks = {outlet.topic.label: outlet.credit.sent for outlet in self._outlets if outlet.credit.sent}
         blocks |= {inlet.topic.label: inlet.guard.received for inlet in self._inlets if inlet.guard.received}
         values = {"simulated seconds per second": f"{speed:.3g}", **blocks}
-        self.diagnose(DiagnosticStatus.OK, "running", suffix=RATE_SUFFIX, **values)
+        late = "; ".join(filter(None, (outlet.lateness for outlet in self._outlets)))
+        level = DiagnosticStatus.WARN if late else DiagnosticStatus.OK
+        self.diagnose(level, f"late: {late}" if late else "running", suffix=RATE_SUFFIX, **values)
+        if late:
+            self.get_logger().warning(f"late: {late}", throttle_duration_sec=10.0)
 
     def _publish_status(self, code: int, message: str, result: str) -> None:
         self._status.publish(
@@ -240,7 +251,7 @@ class StageNode(LifecycleNode):
 
     def _configure(self) -> None:
         case, self.options = self.settings.read()
-        self.window = case.stream.window
+        self.flow = flow_of(case)
         self.time_ns = 0
         self._credit_out = self.create_publisher(Credit, CREDIT.name, qos_for(CREDIT))
         self._credit_in = self.create_subscription(Credit, CREDIT.name, self._on_credit, qos_for(CREDIT))
@@ -314,6 +325,8 @@ class StageNode(LifecycleNode):
             self.destroy_lifecycle_publisher(outlet.publisher)
         for inlet in self._inlets:
             self.destroy_subscription(inlet.subscription)
+        for service in self._served:
+            self.destroy_service(service)
         if self._peers is not None:
             self._peers.close()
             self._peers = None
@@ -321,7 +334,7 @@ class StageNode(LifecycleNode):
             self.destroy_subscription(self._credit_in)
             self.destroy_publisher(self._credit_out)
         self._credit_in = self._credit_out = None
-        for kept in (self._outlets, self._inlets, self._backlog):
+        for kept in (self._outlets, self._inlets, self._backlog, self._served):
             kept.clear()
 
     def close(self) -> None:

@@ -1,7 +1,7 @@
 """Quality of service, in one place.
 
 Reliable transport alone loses messages when a history is full, so every numbered stream is kept inside
-its history by credits (:mod:`owt_ros.credits`): the depth is the window of blocks in flight plus two.
+its history by credits (:mod:`owt_ros.credits`): the depth is the most blocks in flight plus two.
 """
 
 from __future__ import annotations

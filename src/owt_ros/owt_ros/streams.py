@@ -9,7 +9,7 @@ from owt_msgs.msg import Credit
 from rclpy.lifecycle import LifecycleNode
 from rclpy.publisher import Publisher
 
-from owt_ros.credits import CreditWindow, StreamGuard
+from owt_ros.credits import CreditWindow, Flow, StreamGuard
 from owt_ros.qos import qos_for
 from owt_ros.topics import Kind, Topic
 from owt_ros.wire import Head, head_of, peek_head
@@ -21,6 +21,7 @@ class Outlet:
     """A topic that a node publishes.
 
     A data topic is published block by block while the window is open and every consumer is connected.
+    In real time the window never closes, and consumers that exceed it are late.
 
     Parameters
     ----------
@@ -28,16 +29,16 @@ class Outlet:
         Owner.
     topic : Topic
         What is published.
-    window : int
-        Blocks in flight.
+    flow : Flow
+        Of the graph.
     """
 
-    def __init__(self, node: LifecycleNode, topic: Topic, *, window: int) -> None:
+    def __init__(self, node: LifecycleNode, topic: Topic, *, flow: Flow) -> None:
         self.topic, self._node = topic, node
         self.publisher = node.create_lifecycle_publisher(
-            topic.message, topic.name, qos_for(topic, window=window)
+            topic.message, topic.name, qos_for(topic, window=flow.most)
         )
-        self.credit = CreditWindow(window, topic.consumers)
+        self.credit = CreditWindow(flow, topic.consumers)
         self._connected = not topic.consumers
         self._ended = topic.kind is not Kind.DATA
 
@@ -68,6 +69,15 @@ class Outlet:
         """Consumers that have not acknowledged the block marked last."""
         return () if self._ended and not self.credit.in_flight else self.topic.consumers
 
+    @property
+    def lateness(self) -> str:
+        """Say who is late, in one line; empty if nobody is."""
+        credit = self.credit
+        if not credit.behind:
+            return ""
+        line = f"{credit.slowest} has {credit.in_flight} blocks of {self.topic.label} to process"
+        return f"{line}, {credit.lost} of which are lost" if credit.lost else line
+
     def send(self, message: Any) -> None:
         """Publish a message; on a data topic it must be the next block."""
         if self.topic.kind is Kind.DATA:
@@ -91,8 +101,8 @@ class Inlet:
         Takes ``(handle, message)`` from the subscription and decides when to call ``handle(message)``.
     raw : bool
         Hand over CDR bytes instead of a message.
-    window : int
-        Blocks in flight.
+    flow : Flow
+        Of the graph.
     acknowledge : Publisher
         Of credits.
     consumer : str
@@ -108,7 +118,7 @@ class Inlet:
         receive: Callable[[Callable[[Any], None], Any], None],
         acknowledge: Publisher[Credit],
         consumer: str,
-        window: int,
+        flow: Flow,
         raw: bool = False,
     ) -> None:
         self.topic, self.guard = topic, StreamGuard(topic.label)
@@ -118,7 +128,7 @@ class Inlet:
             topic.message,
             topic.name,
             lambda message: receive(self._handle, message),
-            qos_for(topic, window=window),
+            qos_for(topic, window=flow.most),
             raw=raw,
         )
 

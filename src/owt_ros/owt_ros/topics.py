@@ -115,23 +115,26 @@ DIAGNOSTICS = Topic("diagnostics", DiagnosticArray, Kind.EVENT)
 CREDIT = Topic("owt/credit", Credit, Kind.EVENT)
 STATUS = Topic("owt/status", NodeStatus, Kind.LATCHED)
 
-#: What the bag of every case holds.
+#: What the bag of every case holds: what is latched, each block in the order of the chain, marks.
 RECORDED = (
     MODEL,
     SEA_STATE,
     LOAD_BASIS,
     REDUCED_MODEL,
+    CLOCK,
     SURFACE_ELEVATION,
     NODAL_LOADS,
     MODAL_STATE,
     MEMBER_STRESS,
     ENERGY,
     FATIGUE,
-    CLOCK,
     DIAGNOSTICS,
 )
 
 
 def recorded(case: CaseConfig) -> tuple[Topic, ...]:
-    """Topics that the bag of a case holds."""
-    return RECORDED if case.wind is None else (*RECORDED, TOWER_TOP_LOAD)
+    """Topics that the bag of a case holds, in the order of the bag."""
+    if case.wind is None:
+        return RECORDED
+    place = RECORDED.index(MODAL_STATE)
+    return (*RECORDED[:place], TOWER_TOP_LOAD, *RECORDED[place:])

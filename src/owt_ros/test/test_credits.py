@@ -4,13 +4,43 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from owt_model.config import parse_case
 from owt_model.errors import ComputationError, InputError
-from owt_ros.credits import CreditWindow, StreamGuard
+from owt_ros.credits import CreditWindow, Flow, StreamGuard, flow_of
 from owt_ros.pace import Pace
 
 
+def flow(window: int) -> Flow:
+    """Flow at full speed."""
+    return Flow(window, window)
+
+
+def test_in_real_time_nobody_waits_and_who_is_late_is_known() -> None:
+    case = parse_case({"stream": {"rate": 2.0, "block": 10, "window": 3, "late_s": 2.2}})
+    credit = CreditWindow(flow_of(case), ["a", "b"])  # a block lasts 0.5 s of wall time: five are kept
+    lateness = []
+    for sequence in range(12):
+        assert credit.is_open
+        credit.send(sequence)
+        credit.acknowledge("a", sequence)
+        lateness.append((credit.behind, credit.lost))
+    assert credit.slowest == "b"
+    assert lateness[:4] == [(0, 0), (0, 0), (0, 0), (1, 0)]
+    assert lateness[7:9] == [(5, 0), (6, 1)]
+    credit.acknowledge("b", 11)
+    assert (credit.behind, credit.lost) == (0, 0)
+
+
+def test_at_full_speed_the_window_holds_the_producer() -> None:
+    assert flow_of(parse_case({"stream": {"window": 3}})) == Flow(3, 3)
+    credit = CreditWindow(flow(3), ["a"])
+    for sequence in range(3):
+        credit.send(sequence)
+    assert not credit.is_open
+
+
 def test_window_closes_and_opens() -> None:
-    credit = CreditWindow(2, ["a", "b"])
+    credit = CreditWindow(flow(2), ["a", "b"])
     credit.send(0)
     credit.send(1)
     assert not credit.is_open
@@ -26,7 +56,7 @@ def test_window_closes_and_opens() -> None:
 
 
 def test_what_is_no_news_changes_nothing() -> None:
-    credit = CreditWindow(4, ["a"])
+    credit = CreditWindow(flow(4), ["a"])
     for i in range(3):
         credit.send(i)
     assert credit.acknowledge("a", 1)
@@ -38,7 +68,7 @@ def test_what_is_no_news_changes_nothing() -> None:
 
 
 def test_without_consumers_it_is_always_open() -> None:
-    credit = CreditWindow(1, [])
+    credit = CreditWindow(flow(1), [])
     for i in range(5):
         credit.send(i)
     assert credit.is_open
@@ -46,14 +76,14 @@ def test_without_consumers_it_is_always_open() -> None:
 
 def test_sequence_must_be_the_next() -> None:
     with pytest.raises(ComputationError, match="the next one is 0"):
-        CreditWindow(2, []).send(1)
+        CreditWindow(flow(2), []).send(1)
     with pytest.raises(InputError, match=r"stream\.window"):
-        CreditWindow(0, [])
+        CreditWindow(flow(0), [])
 
 
 @given(window=st.integers(1, 5), steps=st.lists(st.sampled_from(["send", "a", "b"]), max_size=60))
 def test_never_more_than_a_window_in_flight(window: int, steps: list[str]) -> None:
-    credit, seen = CreditWindow(window, ["a", "b"]), {"a": 0, "b": 0}
+    credit, seen = CreditWindow(flow(window), ["a", "b"]), {"a": 0, "b": 0}
     for action in steps:
         if action == "send":
             if credit.is_open:

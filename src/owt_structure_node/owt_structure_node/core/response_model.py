@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -19,6 +19,7 @@ from owt_structure_node.core.recovery import EndSections, end_force_map, end_sec
 from owt_structure_node.core.response import ModalModel, build_modal_model, describe, model_damping
 from owt_structure_node.core.sim import StaticImprovement
 from owt_structure_node.core.tower_top import TowerTopLoad
+from owt_structure_node.core.usage import expected_stress
 
 #: Lowest modes that blades may drive, and the share of their frequency that counts as near.
 BENDING, CLOSE = 2, 0.1
@@ -112,12 +113,13 @@ def build_response_model(
     target = Target(structure.tolerance, structure.damping, case.time.dt_s, top_dashpots)
     model = build_modal_model(mesh, structure.reduction, basis, target)
     damping = model_damping(model, structure.damping, basis, top_dashpots)
-    end_force = end_force_map(model.assembly, model.basis)
+    end_force, ends = end_force_map(model.assembly, model.basis), end_sections(mesh)
+    description = describe(model, damping, _notes(case, model, tower_top_load))
     strained = np.flatnonzero(end_force.reshape(len(end_force), -1).any(axis=1))
     node_basis = model.node_basis
     tower_top = node_basis[mesh.tower_top]
     return ResponseModel(
-        description=describe(model, damping, _notes(case, model, tower_top_load)),
+        description=replace(description, end_usage=expected_stress(model, end_force, ends, basis)),
         oscillators=Oscillators(
             model.omega_squared,
             damping.rate,
@@ -131,7 +133,7 @@ def build_response_model(
         node_basis=node_basis,
         amplitude=model.amplitude,
         coordinate=model.coordinate,
-        ends=end_sections(mesh),
+        ends=ends,
         strained=strained,
         end_force=np.ascontiguousarray(end_force[strained].transpose(0, 2, 1)),
         tower_top=tower_top if model.amplitude is None else tower_top @ model.amplitude.T,

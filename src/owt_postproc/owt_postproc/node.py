@@ -7,39 +7,26 @@ import sys
 from collections import deque
 from contextlib import suppress
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from owt_msgs.msg import MemberStress, ReducedModel
-from pydantic import Field
+from owt_msgs.srv import FatigueSummary, Flush
 from rclpy.serialization import deserialize_message, serialize_message
 
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
-from owt_postproc.core.sn import sn_curve
-from owt_postproc.core.stage import FatigueModel, build_fatigue_model, initial_state, step
+from owt_postproc.core.running import RunningCount
+from owt_postproc.options import PostprocOptions
 from owt_postproc.recorder import Recorder
 from owt_ros import convert, decode, topics
-from owt_ros.lifecycle import RATE_SUFFIX, NodeOptions, StageNode
+from owt_ros.lifecycle import RATE_SUFFIX, StageNode, is_mark
 from owt_ros.process import interruptible, run
 from owt_ros.selection import Selection
 from owt_ros.topics import Kind, Topic
 from owt_ros.wire import Head, peek_stamp, time_ns
 
-__all__ = ["PostprocNode", "PostprocOptions", "main"]
-
-
-class PostprocOptions(NodeOptions):
-    """Parameters of the postproc node besides the case."""
-
-    bag: str = Field("", description="folder to record into; it gets this name when it is complete")
-    overwrite: bool = Field(False, description="replace an existing bag when the new one is complete")
-    record: Literal["default", "all"] = Field(
-        "default", description="what the bag keeps: what the rest is computed from, or everything"
-    )
-    record_ends: int = Field(
-        8, ge=0, le=100_000, description="member ends, the most used, whose stress the default keeps"
-    )
+__all__ = ["PostprocNode", "main"]
 
 
 class PostprocNode(StageNode):
@@ -54,9 +41,7 @@ class PostprocNode(StageNode):
         """Begin the bag."""
         if not self.options.bag:
             raise InputError("bag", "", "is missing", "Give the folder to record into.")
-        sn_curve(case.fatigue.sn_curve)  # an unknown curve is refused before anything is recorded
-        self._case = case
-        self._model: FatigueModel | None = None
+        self._count = RunningCount(case)  # an unknown curve is refused before anything is recorded
         self._pending: deque[bytes] = deque()
         self._selection = Selection(everything=self.options.record == "all", ends=self.options.record_ends)
         self._recorder = Recorder(
@@ -67,21 +52,22 @@ class PostprocNode(StageNode):
         for topic in topics.recorded(case):
             if topic.kind is Kind.LATCHED:
                 self.inlet(topic, partial(self._on_latched, topic), raw=True)
-            elif topic.kind is Kind.DATA and topic is not topics.FATIGUE:
+            elif topic.kind is Kind.EVENT:
+                self.inlet(topic, partial(self._on_event, topic), raw=True)
+            elif topic is not topics.FATIGUE:
                 self._streams[topic] = self.inlet(topic, partial(self._on_data, topic), raw=True)
-        self.inlet(topics.CLOCK, self._on_clock, raw=True)
-        self.inlet(topics.DIAGNOSTICS, self._on_diagnostics, raw=True)
+        self.serve(FatigueSummary, "owt/fatigue_summary", self._summarise)
+        self.serve(Flush, "owt/flush", self._flush)
 
     def _record(self, topic: Topic, cdr: bytes, at_ns: int, *, last: bool = False) -> None:
         if self._recorder is not None:
             self._recorder.put(topic, cdr, time_ns=at_ns, last=last)
 
     def _on_latched(self, topic: Topic, cdr: bytes) -> None:
-        if topic is topics.REDUCED_MODEL and self._model is None:
-            self._reduced = decode.to_reduced_model(deserialize_message(cdr, ReducedModel))
-            self._selection.learn(self._reduced)
-            self._model = build_fatigue_model(self._case, n_ends=len(self._reduced.end_name))
-            self._state = initial_state(self._model)
+        if topic is topics.REDUCED_MODEL and not self._count.is_ready:
+            reduced = decode.to_reduced_model(deserialize_message(cdr, ReducedModel))
+            self._selection.learn(reduced)
+            self._count.learn(reduced)
         self._record(topic, cdr, 0)
         self.advance()
 
@@ -93,18 +79,11 @@ class PostprocNode(StageNode):
             self._streams[topic].acknowledge(head.sequence)
         self.advance()
 
-    def _on_clock(self, cdr: bytes) -> None:
-        self._record(topics.CLOCK, cdr, peek_stamp(cdr))
+    def _on_event(self, topic: Topic, cdr: bytes) -> None:
+        """Record the clock, and mark what went wrong elsewhere: an ordinary run has no marks."""
+        if topic is topics.CLOCK or is_mark(deserialize_message(cdr, DiagnosticArray), but_of=self.ROLE):
+            self._record(topic, cdr, peek_stamp(cdr))
         self.advance()
-
-    def _on_diagnostics(self, cdr: bytes) -> None:
-        """Mark in the bag what went wrong elsewhere: an ordinary run has no marks, whatever arrives when."""
-        status = deserialize_message(cdr, DiagnosticArray).status
-        names = [entry.name for entry in status]
-        worst = max((entry.level for entry in status), default=DiagnosticStatus.OK)
-        own = any(name.endswith(RATE_SUFFIX) or name.startswith(self.ROLE) for name in names)
-        if worst != DiagnosticStatus.OK and not own:
-            self._record(topics.DIAGNOSTICS, cdr, peek_stamp(cdr))
 
     def diagnose(self, level: bytes, message: str, *, suffix: str = "", **values: Any) -> DiagnosticArray:
         """Publish a diagnostic, and record it if it holds no wall time."""
@@ -116,10 +95,10 @@ class PostprocNode(StageNode):
 
     def advance(self) -> None:
         """Count the stress that has arrived; complete the bag after the last message of all streams."""
-        while self._model is not None and self._pending:
+        while self._count.is_ready and self._pending:
             stress = decode.to_stress(deserialize_message(self._pending.popleft(), MemberStress))
             with interruptible():
-                self._state, block = step(self._model, self._state, stress)
+                block = self._count.count(stress)
             message = convert.fatigue_message(block)
             self._fatigue.send(message)
             at_ns = time_ns(message.header.stamp)
@@ -131,16 +110,29 @@ class PostprocNode(StageNode):
             self._finish(self._recorder)
 
     def _finish(self, recorder: Recorder) -> None:
-        self.diagnose(DiagnosticStatus.OK, "complete", samples=self._state.samples)
+        self.diagnose(DiagnosticStatus.OK, "complete", samples=self._count.samples)
         recorder.close()
         self._recorder = None
-        result = {
-            "bag": str(recorder.path),
-            "stress_samples": self._state.samples,
-            "largest_damage": self._largest,
-            "messages": recorder.counts,
-        }
-        self.report(done=json.dumps(result))
+        result = {"bag": str(recorder.path), "messages": recorder.counts, "largest_damage": self._largest}
+        self.report(done=json.dumps({**result, "stress_samples": self._count.samples}))
+
+    def _summarise(self, request: Any, response: Any) -> Any:
+        """Answer with the fatigue so far."""
+        response.summary_json = json.dumps(self._count.summary(), allow_nan=False)
+        return response
+
+    def _flush(self, request: Any, response: Any) -> Any:
+        """Show readers what has been recorded."""
+        try:
+            if self._recorder is None:
+                raise OwtError("nothing is being recorded")
+            self._recorder.flush()
+        except OwtError as error:
+            response.message = str(error)
+            return response
+        response.success, response.bag = True, str(self._recorder.folder)
+        response.messages = self._recorder.written
+        return response
 
     def release(self) -> None:
         """End an incomplete recording."""

@@ -92,6 +92,11 @@ class Recorder:
         return sum(map(len, self._held.values()))
 
     @property
+    def written(self) -> int:
+        """Messages in the bag."""
+        return sum(self.counts.values()) - self.held
+
+    @property
     def is_complete(self) -> bool:
         """Whether everything that belongs in the bag is in it."""
         return not self._latched and not self.held and all(map(self._has_ended, self._blocks))

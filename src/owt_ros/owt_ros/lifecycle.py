@@ -32,7 +32,7 @@ from owt_ros.qos import qos_for
 from owt_ros.streams import Inlet, Outlet
 from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, Topic
 
-__all__ = ["ACTIVE", "CONFIGURED", "RATE_SUFFIX", "NodeOptions", "StageNode"]
+__all__ = ["ACTIVE", "CONFIGURED", "RATE_SUFFIX", "NodeOptions", "StageNode", "is_mark"]
 
 #: Messages of a status without an error: the state that the node has reached.
 CONFIGURED, ACTIVE = "configured", "active"
@@ -53,6 +53,19 @@ class NodeOptions(BaseModel):
     )
     wait_s: float = Field(
         30.0, gt=0.0, le=3600.0, description="longest wait in s for the subscriptions of consumers"
+    )
+
+
+def is_mark(diagnostic: Any, *, but_of: str) -> bool:
+    """Tell whether a diagnostic says that something went wrong, at a simulated time, in another node.
+
+    Those that hold wall time say nothing of the data.
+    """
+    return any(
+        status.level != DiagnosticStatus.OK
+        and not status.name.endswith(RATE_SUFFIX)
+        and status.name.removesuffix(RATE_SUFFIX) != but_of
+        for status in diagnostic.status
     )
 
 

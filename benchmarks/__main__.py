@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 
 from benchmarks.chain import bench_rainflow, bench_structure
+from benchmarks.graph import bench_graph
 from benchmarks.measure import Table, matmul_seconds
 from benchmarks.processes import bench_commands, bench_demo
 from benchmarks.waves import bench_long, bench_waves
@@ -25,6 +26,7 @@ PARTS = {
     "structure": bench_structure,
     "rainflow": bench_rainflow,
     "commands": bench_commands,
+    "graph": bench_graph,
     "demo": bench_demo,
 }
 
@@ -33,7 +35,7 @@ def main() -> int:
     """Run the parts asked for; all but the demo if none is."""
     parser = argparse.ArgumentParser(prog="owt bench", description=__doc__)
     parser.add_argument(
-        "part", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all but demo if none"
+        "part", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all but graph and demo if none"
     )
     parser.add_argument("--demo", action="store_true", help="also time the graph")
     parser.add_argument("-o", "--output", type=Path, help="JSON file to write")
@@ -41,7 +43,7 @@ def main() -> int:
     unknown = [part for part in options.part if part not in PARTS]
     if unknown:
         parser.error(f"no part {unknown[0]!r}; parts are {', '.join(PARTS)}")
-    chosen = options.part or [part for part in PARTS if part != "demo"]
+    chosen = options.part or [part for part in PARTS if part not in ("graph", "demo")]
     if options.demo and "demo" not in chosen:
         chosen.append("demo")
     table = Table(matmul_seconds())

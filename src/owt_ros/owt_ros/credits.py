@@ -17,6 +17,10 @@ from owt_model.errors import ComputationError, InputError
 __all__ = ["CreditWindow", "Flow", "StreamGuard", "flow_of"]
 
 
+#: Wall time in s between two acknowledgements in real time, where they only tell who is late.
+ACKNOWLEDGE_S = 0.2
+
+
 @dataclass(frozen=True)
 class Flow:
     """How the streams of a graph flow.
@@ -29,11 +33,14 @@ class Flow:
         Most blocks in flight that the transport keeps.
     waits : bool
         Whether a producer waits.
+    every : int
+        Blocks that a consumer acknowledges at a time.
     """
 
     window: int = 1
     most: int = 1
     waits: bool = True
+    every: int = 1
 
 
 def flow_of(case: CaseConfig) -> Flow:
@@ -42,7 +49,9 @@ def flow_of(case: CaseConfig) -> Flow:
     if stream.rate == 0.0:
         return Flow(stream.window, stream.window)
     per_second = stream.rate / (stream.block * case.time.dt_s)
-    return Flow(stream.window, stream.window + math.ceil(stream.late_s * per_second), waits=False)
+    every = max(1, math.floor(ACKNOWLEDGE_S * per_second))
+    window = max(stream.window, 2 * every)
+    return Flow(window, window + math.ceil(stream.late_s * per_second), waits=False, every=every)
 
 
 class CreditWindow:

@@ -38,6 +38,8 @@ __all__ = ["ACTIVE", "CONFIGURED", "RATE_SUFFIX", "NodeOptions", "StageNode", "i
 CONFIGURED, ACTIVE = "configured", "active"
 #: Ends the name of diagnostics that hold wall time; they are not recorded.
 RATE_SUFFIX = ": rate"
+#: Wall time in s between two reports of progress.
+REPORT_S = 0.05
 #: Timers run on wall time, also under ``use_sim_time``.
 _WALL = Clock(clock_type=ClockType.STEADY_TIME)
 _SUCCESS, _FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
@@ -98,7 +100,7 @@ class StageNode(LifecycleNode):
         self._credit_in: Subscription[Credit] | None = None
         self._credit_out: Any = None
         self._peers: Peers | None = None
-        self._waiting_since = 0.0
+        self._waiting_since = self._reported = 0.0
         self._rate_from = (0.0, 0)
         self._status = self.create_publisher(NodeStatus, STATUS.name, qos_for(STATUS))
         self._diagnostics = self.create_publisher(DiagnosticArray, DIAGNOSTICS.name, qos_for(DIAGNOSTICS))
@@ -155,6 +157,10 @@ class StageNode(LifecycleNode):
     def report(self, *, time_ns: int | None = None, done: str | None = None) -> None:
         """Publish how far the node is; `done` is its result when it has finished."""
         self.time_ns = self.time_ns if time_ns is None else time_ns
+        now = time.monotonic()
+        if done is None and now - self._reported < REPORT_S:
+            return
+        self._reported = now
         code = NodeStatus.RUNNING if done is None else NodeStatus.DONE
         self._publish_status(code, ACTIVE if done is None else "", done or "")
         if done is not None:
@@ -292,6 +298,7 @@ class StageNode(LifecycleNode):
     def _activate(self) -> None:
         self._waiting_since = time.monotonic()
         self._rate_from = self._waiting_since, self.time_ns
+        self._reported = 0.0
         self.announce()
         self.report()
         self.diagnose(DiagnosticStatus.OK, "active")

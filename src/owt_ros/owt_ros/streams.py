@@ -123,7 +123,7 @@ class Inlet:
     ) -> None:
         self.topic, self.guard = topic, StreamGuard(topic.label)
         self._handler, self._raw = handler, raw
-        self._acknowledge, self._consumer = acknowledge, consumer
+        self._acknowledge, self._consumer, self._every = acknowledge, consumer, flow.every
         self.subscription = node.create_subscription(
             topic.message,
             topic.name,
@@ -144,7 +144,9 @@ class Inlet:
             self._handler(message)
 
     def acknowledge(self, sequence: int) -> None:
-        """Give credit for all blocks up to `sequence`."""
+        """Give credit for all blocks up to `sequence`; in real time for some at a time."""
+        if (sequence + 1) % self._every and not self.guard.finished:
+            return
         self._acknowledge.publish(
             Credit(consumer=self._consumer, topic=self.topic.label, sequence=int(sequence))
         )

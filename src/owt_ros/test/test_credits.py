@@ -17,6 +17,7 @@ def flow(window: int) -> Flow:
 
 def test_in_real_time_nobody_waits_and_who_is_late_is_known() -> None:
     case = parse_case({"stream": {"rate": 2.0, "block": 10, "window": 3, "late_s": 2.2}})
+    assert flow_of(case) == Flow(3, 8, waits=False, every=1)
     credit = CreditWindow(flow_of(case), ["a", "b"])  # a block lasts 0.5 s of wall time: five are kept
     lateness = []
     for sequence in range(12):
@@ -29,6 +30,11 @@ def test_in_real_time_nobody_waits_and_who_is_late_is_known() -> None:
     assert lateness[7:9] == [(5, 0), (6, 1)]
     credit.acknowledge("b", 11)
     assert (credit.behind, credit.lost) == (0, 0)
+
+
+def test_short_blocks_in_real_time_are_acknowledged_some_at_a_time() -> None:
+    case = parse_case({"stream": {"rate": 1.0, "block": 1, "late_s": 10.0}, "time": {"dt_s": 0.01}})
+    assert flow_of(case) == Flow(40, 1040, waits=False, every=20)
 
 
 def test_at_full_speed_the_window_holds_the_producer() -> None:

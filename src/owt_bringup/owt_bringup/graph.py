@@ -72,8 +72,7 @@ class GraphResult:
 def _stall(case: CaseConfig, limits: Timeouts) -> float:
     """Longest time in s without progress: blocks may be far apart, a load at the tower top awaited."""
     rate, block = case.stream.rate, case.stream.block * case.time.dt_s
-    outside = case.wind.topic.timeout_s if case.wind is not None and case.wind.topic is not None else 0.0
-    return limits.stall + outside + (block / rate if rate > 0.0 else 0.0)
+    return limits.stall + case.outside_wait_s + (block / rate if rate > 0.0 else 0.0)
 
 
 @contextmanager

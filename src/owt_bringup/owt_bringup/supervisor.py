@@ -145,7 +145,7 @@ class Supervisor:
         while True:
             status = self.status.get(POSTPROC)
             if status is not None and status.code == NodeStatus.DONE:
-                return dict(json.loads(status.result))
+                return _result(status.result)
             self.check()
             now = sum(entry.time_s for entry in self.status.values())
             if now > reached:
@@ -175,3 +175,14 @@ class Supervisor:
         self._node.destroy_node()
         rclpy.shutdown(context=self._context)
         del self._executor, self._node, self._change, self._context  # left with the last reference
+
+
+def _result(text: str) -> dict[str, Any]:
+    """Read what the postproc node hands over."""
+    try:
+        return dict(json.loads(text))
+    except (ValueError, TypeError):
+        raise OwtError(
+            f"{POSTPROC} is done, with a result that cannot be read: {text[:60]!r}; does somebody else "
+            f"publish on {STATUS.label}?"
+        ) from None

@@ -259,6 +259,12 @@ class CaseConfig(Frozen):
             )
 
     @property
+    def outside_wait_s(self) -> float:
+        """Longest wall time in s that a run may wait for messages from outside."""
+        topic = None if self.wind is None else self.wind.topic
+        return 0.0 if topic is None else topic.timeout_s
+
+    @property
     def substeps(self) -> int:
         """Integration steps per load step.
 

@@ -11,14 +11,18 @@ import time
 from collections import deque
 from pathlib import Path
 
+from rclpy.serialization import deserialize_message
+
 from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, OwtError
+from owt_model.structure import case_structure
 from owt_model.versions import versions
 from owt_postproc.bag import BagWriter
 from owt_ros import schema, topics
 from owt_ros.cdr import canonical
 from owt_ros.selection import Selection
 from owt_ros.topics import Kind, Topic, recorded
+from owt_ros.vetting import check_model, check_numbers
 
 __all__ = ["Recorder"]
 
@@ -48,6 +52,7 @@ class Recorder:
 
     def __init__(self, bag: str, case: CaseConfig, *, overwrite: bool, selection: Selection) -> None:
         self._selection = selection
+        self._structure, self._model_name = case_structure(case.structure), case.structure.model
         self._writer = BagWriter(bag, overwrite=overwrite)
         wanted = recorded(case)
         self.counts = {topic.label: 0 for topic in wanted}
@@ -118,10 +123,10 @@ class Recorder:
         Raises
         ------
         ComputationError
-            If the bag cannot be written any further, a second message comes on a latched topic, or the clock
-            goes back.
+            If the bag cannot be written any further, the message cannot be or belongs to another structure,
+            a second one comes on a latched topic, or the clock goes back.
         """
-        self._check(topic, time_ns)
+        self._check(topic, cdr, time_ns)
         self.counts[topic.label] += 1
         if topic.kind is Kind.EVENT and topic is not topics.CLOCK:
             self._write(topic, cdr, time_ns)  # a mark stands where the recording is
@@ -131,8 +136,15 @@ class Recorder:
             self._ended.add(topic)
         self._write_what_is_due()
 
-    def _check(self, topic: Topic, time_ns: int) -> None:
-        """Refuse what only a second producer sends; numbered streams are checked by their sequence."""
+    def _check(self, topic: Topic, cdr: bytes, time_ns: int) -> None:
+        """Refuse what cannot be, and what only a second producer sends.
+
+        The order of numbered streams is checked where they come in.
+        """
+        message = deserialize_message(cdr, topic.message)
+        check_numbers(message, topic)
+        if hasattr(message, "model_hash"):
+            check_model(message, topic, self._structure, self._model_name)
         if topic.kind is Kind.LATCHED and self.counts[topic.label]:
             raise ComputationError(
                 f"a second message on {topic.label}: only one node may publish it, once for each run"

@@ -13,6 +13,7 @@ from rosbags.rosbag2 import Reader
 from owt_model.config import CaseConfig, parse_case
 from owt_model.contracts import ReducedDescription
 from owt_model.errors import ComputationError
+from owt_model.structure import case_structure
 from owt_postproc.bag_reader import read_messages
 from owt_postproc.recorder import Recorder
 from owt_ros import topics
@@ -24,11 +25,16 @@ from owt_ros.wire import doubles
 
 BLOCKS = 5
 SECOND = 1_000_000_000
+#: What a block of one sample must hold.
+SAMPLE: dict[Topic, dict[str, list[float]]] = {
+    topics.ENERGY: {"potential": [1.0], "kinetic": [2.0]},
+    topics.TOWER_TOP_LOAD: {"wrench": [0.0] * 6},
+}
 
 
 def messages(case: CaseConfig) -> dict[Topic, list[tuple[bytes, int, bool]]]:
     """A short run: what is latched once, and five blocks of a second of everything else."""
-    found = {}
+    found, model_hash = {}, case_structure(case.structure).content_hash
     for topic in recorded(case):
         if topic is topics.DIAGNOSTICS:
             continue
@@ -38,6 +44,11 @@ def messages(case: CaseConfig) -> dict[Topic, list[tuple[bytes, int, bool]]]:
             message = topic.message()
             if topic.kind is Kind.DATA:
                 message.sequence, message.last = i, i == count - 1
+            for name, value in {"dt": 1.0, "samples": 1, "model_hash": model_hash}.items():
+                if hasattr(message, name):
+                    setattr(message, name, value)
+            for name, numbers in SAMPLE.get(topic, {}).items():
+                setattr(message, name, doubles(numbers))
             if topic is topics.CLOCK:
                 message.clock = stamp(i * SECOND)
             made.append((bytes(serialize_message(message)), i * SECOND, i == count - 1))
@@ -129,6 +140,33 @@ def test_a_second_producer_is_an_error(tmp_path: Path, topic: Topic, message: st
         recorder.put(topic, cdr, time_ns=time_ns, last=last)
     with pytest.raises(ComputationError, match=message):
         recorder.put(topic, queue[-1][0], time_ns=queue[-1][1])
+    recorder.break_off()
+
+
+@pytest.mark.parametrize(
+    ("topic", "field", "message"),
+    [
+        (topics.SEA_STATE, "hs_m", "/owt/sea_state: hs_m holds NaN or inf"),
+        (topics.SURFACE_ELEVATION, "dt", "SurfaceElevation 0: dt = nan s with 1 samples is no block"),
+        (topics.ENERGY, "kinetic", "/owt/energy block 0: kinetic holds NaN or inf"),
+        (topics.ENERGY, "potential", r"Energy 0: potential has 2 values, not those of \[1\]"),
+        (topics.NODAL_LOADS, "model_hash", "/owt/nodal_loads belongs to model aaaaaaaaaaaa, this node has "),
+        (topics.REDUCED_MODEL, "model_hash", "/owt/reduced_model belongs to model aaaaaaaaaaaa"),
+    ],
+)
+def test_what_cannot_be_is_not_recorded(tmp_path: Path, topic: Topic, field: str, message: str) -> None:
+    case = parse_case({})
+    cdr, time_ns, last = messages(case)[topic][0]
+    wrong = deserialize_message(cdr, topic.message)
+    bad = {"potential": [1.0, 2.0], "model_hash": "a" * 64}.get(field, float("nan"))
+    if isinstance(getattr(wrong, field), (str, float)):
+        setattr(wrong, field, bad)
+    else:
+        setattr(wrong, field, doubles(bad))
+    recorder = new(tmp_path / "bag", case)
+    with pytest.raises(ComputationError, match=message):
+        recorder.put(topic, bytes(serialize_message(wrong)), time_ns=time_ns, last=last)
+    recorder.put(topic, cdr, time_ns=time_ns, last=last)
     recorder.break_off()
 
 

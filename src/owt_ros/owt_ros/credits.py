@@ -98,6 +98,11 @@ class CreditWindow:
         return max(0, self.in_flight - self._flow.most)
 
     @property
+    def acknowledged(self) -> int:
+        """Blocks that every consumer has acknowledged."""
+        return self._sent - self.in_flight
+
+    @property
     def slowest(self) -> str:
         """Name of the consumer that is furthest behind; empty without consumers."""
         return min(self._acknowledged, key=lambda name: self._acknowledged[name], default="")

@@ -7,12 +7,14 @@ deserialises read alike. The shape of what comes in is checked; a message that c
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from owt_model.contracts import (
+    Block,
     ElevationBlock,
     EnergyBlock,
     FatigueBlock,
@@ -27,6 +29,7 @@ from owt_model.timing import sample_index
 from owt_ros.wire import head_of, indices, read_doubles, time_ns
 
 __all__ = [
+    "BLOCKS",
     "to_elevation",
     "to_energy",
     "to_fatigue",
@@ -185,3 +188,14 @@ def to_fatigue(message: Any, *, dt: float) -> FatigueBlock:
         total_stress=read_doubles(message, "total_stress_pa", n),
         max_range=read_doubles(message, "max_range_pa", n),
     )
+
+
+#: Readers of the messages that hold a block of samples, by the name of their type.
+BLOCKS: dict[str, Callable[[Any], Block]] = {
+    "SurfaceElevation": to_elevation,
+    "NodalLoads": to_nodal_loads,
+    "ModalState": to_modal,
+    "MemberStress": to_stress,
+    "Energy": to_energy,
+    "TowerTopLoad": to_tower_top_load,
+}

@@ -56,6 +56,9 @@ class NodeOptions(BaseModel):
     wait_s: float = Field(
         30.0, gt=0.0, le=3600.0, description="longest wait in s for the subscriptions of consumers"
     )
+    stall_s: float = Field(
+        120.0, gt=0.0, le=86400.0, description="longest wait in s for a consumer's acknowledgement"
+    )
 
 
 def is_mark(diagnostic: Any, *, but_of: str) -> bool:
@@ -89,7 +92,7 @@ class StageNode(LifecycleNode):
         self.options = self.OPTIONS()
         self.time_ns = 0
         self.active = False
-        self.flow = Flow()
+        self.flow, self._outside_s = Flow(), 0.0
         self._failed = False
         self._outlets: list[Outlet] = []
         self._inlets: list[Inlet] = []
@@ -250,6 +253,9 @@ class StageNode(LifecycleNode):
         blocks = {outlet.topic.label: outlet.credit.sent for outlet in self._outlets if outlet.credit.sent}
         blocks |= {inlet.topic.label: inlet.guard.received for inlet in self._inlets if inlet.guard.received}
         values = {"simulated seconds per second": f"{speed:.3g}", **blocks}
+        for outlet in self._outlets:
+            if stalled := outlet.stalls(self.options.stall_s + self._outside_s):
+                raise ComputationError(stalled)
         late = "; ".join(filter(None, (outlet.lateness for outlet in self._outlets)))
         level = DiagnosticStatus.WARN if late else DiagnosticStatus.OK
         self.diagnose(level, f"late: {late}" if late else "running", suffix=RATE_SUFFIX, **values)
@@ -270,7 +276,7 @@ class StageNode(LifecycleNode):
 
     def _configure(self) -> None:
         case, self.options = self.settings.read()
-        self.flow = flow_of(case)
+        self.flow, self._outside_s = flow_of(case), case.outside_wait_s
         self.time_ns = 0
         self._credit_out = self.create_publisher(Credit, CREDIT.name, qos_for(CREDIT))
         self._credit_in = self.create_subscription(Credit, CREDIT.name, self._on_credit, qos_for(CREDIT))

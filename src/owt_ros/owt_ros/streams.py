@@ -10,6 +10,7 @@ from rclpy.lifecycle import LifecycleNode
 from rclpy.publisher import Publisher
 
 from owt_ros.credits import CreditWindow, Flow, StreamGuard
+from owt_ros.pace import Patience
 from owt_ros.qos import qos_for
 from owt_ros.topics import Kind, Topic
 from owt_ros.wire import Head, head_of, peek_head
@@ -39,6 +40,7 @@ class Outlet:
             topic.message, topic.name, qos_for(topic, window=flow.most)
         )
         self.credit = CreditWindow(flow, topic.consumers)
+        self._held, self._acknowledged = Patience(0.0), 0
         self._connected = not topic.consumers
         self._ended = topic.kind is not Kind.DATA
 
@@ -68,6 +70,22 @@ class Outlet:
     def owed_to(self) -> tuple[str, ...]:
         """Consumers that have not acknowledged the block marked last."""
         return () if self._ended and not self.credit.in_flight else self.topic.consumers
+
+    def stalls(self, limit_s: float) -> str:
+        """Say who has held this stream for longer than `limit_s` of wall time; empty if nobody has.
+
+        To be asked often: the wait begins with the first question after the last acknowledgement.
+        """
+        if self.credit.acknowledged != self._acknowledged:
+            self._acknowledged = self.credit.acknowledged
+            self._held.restart()
+        self._held.limit_s = limit_s
+        if not self._held.is_over(waiting=not self.credit.is_open):
+            return ""
+        return (
+            f"{self.credit.slowest} has not acknowledged block {self._acknowledged} of {self.topic.label} "
+            f"for {limit_s:g} s: it hangs, or raise stall_s"
+        )
 
     @property
     def lateness(self) -> str:

@@ -17,6 +17,7 @@ from owt_ros.lifecycle import StageNode
 from owt_ros.pace import Patience
 from owt_ros.process import interruptible, run
 from owt_ros.topics import Topic
+from owt_ros.vetting import check_model
 from owt_structure_node.core.stage import ResponseModel, build_response_model, initial_state, step
 from owt_structure_node.core.tower_top import WrenchSamples
 from owt_structure_node.wind_source import tower_top_load
@@ -81,20 +82,14 @@ class StructureNode(StageNode):
         self._patience.restart()
         self.advance()
 
-    def _check_hash(self, message: Any, topic: Topic) -> None:
-        """Refuse what belongs to another structure."""
-        own = self._mesh.structure.content_hash
-        if message.model_hash != own:
-            raise ComputationError(
-                f"{topic.label} belongs to model {message.model_hash[:12] or '(none)'}, this node has "
-                f"{own[:12]} ({self._case.structure.model}): give all nodes the same structure.model"
-            )
+    def _check_model(self, message: Any, topic: Topic) -> None:
+        check_model(message, topic, self._mesh.structure, self._case.structure.model)
 
     def _on_model(self, message: Any) -> None:
-        self._check_hash(message, topics.MODEL)
+        self._check_model(message, topics.MODEL)
 
     def _on_basis(self, message: Any) -> None:
-        self._check_hash(message, topics.LOAD_BASIS)
+        self._check_model(message, topics.LOAD_BASIS)
         if self._model is not None:
             raise ComputationError(
                 "a second load basis arrived: clean up and configure before another sea state"
@@ -110,7 +105,7 @@ class StructureNode(StageNode):
         self.advance()
 
     def _on_loads(self, message: Any) -> None:
-        self._check_hash(message, topics.NODAL_LOADS)
+        self._check_model(message, topics.NODAL_LOADS)
         self._queue.append(decode.to_nodal_loads(message))
         self.advance()
 

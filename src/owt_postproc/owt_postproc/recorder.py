@@ -27,7 +27,8 @@ from owt_ros.vetting import check_model, check_numbers
 __all__ = ["Recorder"]
 
 #: Wall time in s after which a recording in real time shows what it has: what a killed one loses at most.
-FLUSH_S = 1.0
+FLUSH_S = 0.5
+NEVER_NS = 2**63
 
 
 class Recorder:
@@ -62,7 +63,7 @@ class Recorder:
         self._turn = 0
         self._ended: set[Topic] = set()
         self._flush_ns = round(FLUSH_S * case.stream.rate * 1e9)
-        self._flushed_ns = 0
+        self._flush_at_ns = 0  # after the first block
         self._last_log_ns, self._clock_ns = 0, -1
         try:
             for topic in wanted:
@@ -181,9 +182,9 @@ class Recorder:
         self._last_log_ns = max(time.time_ns(), self._last_log_ns + 1)
         kept = canonical(topic.message, self._selection.of(topic, cdr))
         self._writer.write(topic.label, kept, log_time_ns=self._last_log_ns, publish_time_ns=time_ns)
-        if topic is self._blocks[-1] and self._flush_ns and time_ns - self._flushed_ns >= self._flush_ns:
-            self._flushed_ns = time_ns
+        if topic is self._blocks[-1] and time_ns >= self._flush_at_ns:
             self._writer.flush()
+            self._flush_at_ns = time_ns + self._flush_ns if self._flush_ns else NEVER_NS
 
     def flush(self) -> None:
         """Show readers what has been written so far."""

@@ -241,10 +241,14 @@ class StageNode(LifecycleNode):
 
     def _on_loss(self, peer: str) -> None:
         """Fail if a node that died or left still has to send or to acknowledge something."""
+        if self.active and (loss := self._loss(peer)):
+            self.fail(loss)
+
+    def _loss(self, peer: str) -> str:
+        """Say what is missing without a peer; empty if nothing is."""
         owing = [inlet.topic.label for inlet in self._inlets if inlet.is_owed_by(peer)]
         owing += [outlet.topic.label for outlet in self._outlets if peer in outlet.owed_to]
-        if self.active and owing:
-            self.fail(f"{peer} died or left before the end of {', '.join(owing)}")
+        return f"{peer} died or left before the end of {', '.join(owing)}" if owing else ""
 
     def _publish_rate(self) -> None:
         now, (then, reached) = time.monotonic(), self._rate_from
@@ -305,6 +309,9 @@ class StageNode(LifecycleNode):
         self._waiting_since = time.monotonic()
         self._rate_from = self._waiting_since, self.time_ns
         self._reported = 0.0
+        # A peer may have died since this node was configured, when nothing was owed yet.
+        for loss in filter(None, map(self._loss, self._peers.lost if self._peers else ())):
+            raise ComputationError(loss)
         self.announce()
         self.report()
         self.diagnose(DiagnosticStatus.OK, "active")

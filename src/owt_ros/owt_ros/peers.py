@@ -35,13 +35,14 @@ class Peers:
     lease_s : float
         Time in s after which a dead process is noticed.
     on_loss : callable
-        Called with the name of a node that died or left.
+        Called with the name of a node that died or left; ``lost`` holds those that have not come back.
     """
 
     def __init__(
         self, node: Node, role: str, others: Iterable[str], *, lease_s: float, on_loss: Callable[[str], None]
     ) -> None:
         self._node, self._on_loss = node, on_loss
+        self.lost: set[str] = set()
         profile = QoSProfile(
             depth=1,
             liveliness=LivelinessPolicy.AUTOMATIC,
@@ -60,7 +61,10 @@ class Peers:
         ]
 
     def _on_change(self, name: str, event: Any) -> None:
-        if event.alive_count == 0 and event.alive_count_change < 0:
+        if event.alive_count:
+            self.lost.discard(name)
+        elif event.alive_count_change < 0:
+            self.lost.add(name)
             self._on_loss(name)
 
     def close(self) -> None:

@@ -38,7 +38,7 @@ def start(context):
             package=spec.package,
             executable=spec.name,
             name=spec.name,
-            namespace="",
+            namespace=given["namespace"],
             output="screen",
             parameters=[*case, bag] if spec.name == POSTPROC else case,
             on_exit=Shutdown(reason=f"{spec.name} ended"),

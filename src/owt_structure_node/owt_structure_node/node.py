@@ -8,7 +8,7 @@ from typing import Any
 
 from owt_model.config import CaseConfig
 from owt_model.contracts import LoadBlock, WrenchBlock
-from owt_model.errors import ComputationError
+from owt_model.errors import StreamError
 from owt_model.mesh import build_mesh
 from owt_model.structure import case_structure
 from owt_model.wind_config import WrenchTopic
@@ -60,7 +60,7 @@ class StructureNode(StageNode):
 
     def _watch(self) -> None:
         if self._patience.is_over(waiting=not self._next_is_known()):
-            raise ComputationError(
+            raise StreamError(
                 f"no message on {topics.TOWER_TOP_WRENCH.label} reaches the end of block "
                 f"{self._queue[0].sequence} within {self._patience.limit_s:g} s: publish it, stamped in "
                 "simulated time, or raise wind.topic.timeout_s"
@@ -85,7 +85,7 @@ class StructureNode(StageNode):
         """Refuse what belongs to another structure."""
         own = self._mesh.structure.content_hash
         if message.model_hash != own:
-            raise ComputationError(
+            raise StreamError(
                 f"{topic.label} belongs to model {message.model_hash[:12] or '(none)'}, this node has "
                 f"{own[:12]} ({self._case.structure.model}): give all nodes the same structure.model"
             )
@@ -96,7 +96,7 @@ class StructureNode(StageNode):
     def _on_basis(self, message: Any) -> None:
         self._check_hash(message, topics.LOAD_BASIS)
         if self._model is not None:
-            raise ComputationError(
+            raise StreamError(
                 "a second load basis arrived: clean up and configure before another sea state"
             )
         with interruptible():

@@ -28,6 +28,7 @@ setup(
     entry_points={
         "console_scripts": [
             "owt = owt_bringup.cli:main",
+            "bringup_node = owt_bringup.server:main",
         ],
     },
 )

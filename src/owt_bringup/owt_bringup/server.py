@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 import traceback
+from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from typing import Any
@@ -35,6 +36,8 @@ NAME = "bringup_node"
 FEEDBACK_S = 0.1
 #: Longest time in s for a goal to end after a signal: that of nodes that must be killed, and some.
 _END_S = 6.0
+#: Time in s that the answer to a client has to leave.
+_ANSWER_S = 0.3
 #: The goal takes one thread; cancelling, questions and checks need others.
 _THREADS = 4
 
@@ -164,8 +167,16 @@ class BringupNode(Node):
     def close(self) -> None:
         """End the goal under way, and leave the place to others."""
         self._stopping = True
-        self._idle.wait(_END_S)
+        if not self._idle.is_set():
+            self._spin_until(self._idle.is_set, _END_S)
+            # rclpy hands the answer to the executor when the goal has ended, and does not say when it left
+            self._spin_until(lambda: False, _ANSWER_S)
         self._place.close()
+
+    def _spin_until(self, ready: Callable[[], bool], seconds: float) -> None:
+        deadline = time.monotonic() + seconds
+        while self.executor is not None and not ready() and time.monotonic() < deadline:
+            self.executor.spin_once(timeout_sec=0.05)
 
 
 def _internal(error: Exception) -> str:

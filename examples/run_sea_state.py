@@ -23,7 +23,9 @@ def main(bag: str) -> None:
     node = rclpy.create_node("operator")
     client = ActionClient(node, RunSeaState, "owt/run_sea_state")
     assert client.wait_for_server(30.0), "no server: start ./owt serve in the same ROS domain"
-    sent = client.send_goal_async(RunSeaState.Goal(case_json=json.dumps(CASE), bag=bag), feedback_callback=show)
+    sent = client.send_goal_async(
+        RunSeaState.Goal(case_json=json.dumps(CASE), bag=bag), feedback_callback=show
+    )
     rclpy.spin_until_future_complete(node, sent)
     assert sent.result().accepted, "another run is under way"
     answer = sent.result().get_result_async()

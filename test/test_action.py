@@ -1,4 +1,4 @@
-"""The action RunSeaState and the case check, as an operator meets them: a server process, a client over DDS."""
+"""The action RunSeaState and the case check as an operator meets them: a server process, a client by DDS."""
 
 import json
 import os
@@ -27,7 +27,7 @@ from rclpy.qos import QoSProfile
 
 from local_graph import assert_messages_equal, expected_messages, read_by_rosbags, short_case
 from owt_bringup.domain import own_domain
-from owt_bringup.goals import Cancelled, Speed, _status_of, check_case
+from owt_bringup.goals import CancelledError, Speed, _status_of, check_case
 from owt_bringup.process import Child, find_executable
 from owt_bringup.supervisor import NodeError
 from owt_campaign.pipeline import prepare_case, stream_case
@@ -83,9 +83,7 @@ class Operator:
         self.feedback.clear()
         text = case if isinstance(case, str) else case.model_dump_json()
         goal = RunSeaState.Goal(case_json=text, bag=str(bag), record=record)
-        return self.wait(
-            self.client.send_goal_async(goal, lambda m: self.feedback.append(m.feedback))
-        )
+        return self.wait(self.client.send_goal_async(goal, lambda m: self.feedback.append(m.feedback)))
 
     def result(self, handle: Any) -> tuple[int, Any]:
         """Wait for the end of a goal; return its state and its result."""
@@ -143,7 +141,9 @@ def nodes_of(server: Child) -> dict[str, int]:
             command = (entry / "cmdline").read_bytes().decode().split("\0")
         except (OSError, IndexError):
             continue
-        name = next((Path(part).name for part in command if Path(part).name in (WAVE, STRUCTURE, POSTPROC)), "")
+        name = next(
+            (Path(part).name for part in command if Path(part).name in (WAVE, STRUCTURE, POSTPROC)), ""
+        )
         if parent == server.pid and name:
             found[name] = int(entry.name)
     return found
@@ -232,6 +232,7 @@ def test_cancelling_closes_the_bag_and_another_goal_meanwhile_is_rejected(
     recorded = read_by_rosbags(Path(result.bag))
     assert recorded["/owt/energy"], "the partial bag is closed and readable"
     assert [m.sequence for m in recorded["/owt/energy"]] == list(range(len(recorded["/owt/energy"])))
+
 
 def test_a_number_that_is_none_is_an_error_of_numerics(place: tuple[Child, Operator], tmp_path: Path) -> None:
     """Somebody's load at the tower top is NaN, on the topic of the namespace."""
@@ -325,7 +326,10 @@ def test_a_case_is_checked_without_running_it(place: tuple[Child, Operator]) -> 
     assert json.loads(good.case_json)["stream"]["window"] == CaseConfig().stream.window
     steep = ask('{"sea_state": {"hs_m": 12.0, "tp_s": 8.5}, "wave": {"order": 1}}')
     assert steep.accepted
-    assert list(steep.warnings) == check_case('{"sea_state": {"hs_m": 12.0, "tp_s": 8.5}, "wave": {"order": 1}}')[1]
+    assert (
+        list(steep.warnings)
+        == check_case('{"sea_state": {"hs_m": 12.0, "tp_s": 8.5}, "wave": {"order": 1}}')[1]
+    )
     assert steep.warnings
     for text, message in (("[", "is not JSON"), ('{"water_depth_m": 45.0}', "water_depth_m = 45.0")):
         bad = ask(text)
@@ -336,7 +340,7 @@ def test_a_case_is_checked_without_running_it(place: tuple[Child, Operator]) -> 
 @pytest.mark.parametrize(
     ("error", "status"),
     [
-        (Cancelled("x"), Status.CANCELLED),
+        (CancelledError("x"), Status.CANCELLED),
         (InputError("a", 1, "b", "c"), Status.INPUT_ERROR),
         (ComputationError("no convergence"), Status.NUMERICS_ERROR),
         (StreamError("gap"), Status.STREAM_ERROR),

@@ -1,7 +1,6 @@
 """Several graphs side by side in one ROS domain: apart in namespaces, refused or broken without them."""
 
 import os
-import signal
 import subprocess
 import sys
 import threading
@@ -172,6 +171,13 @@ def test_nodes_of_somebody_else_in_the_same_place_are_noticed(
         run_graph(short_case(), tmp_path / "bag", domain_id=domain, namespace="apart")
 
 
+def run_through(graph: Supervisor, names: list[str]) -> None:
+    graph.change_states(names, Transition.TRANSITION_CONFIGURE, 60.0)
+    for name in names:
+        graph.change_states([name], Transition.TRANSITION_ACTIVATE, 60.0)
+    graph.watch(None, 20.0, 30.0)
+
+
 def test_two_graphs_without_namespaces_and_without_a_bring_up_end_in_an_error(
     tmp_path: Path, domain: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -184,16 +190,12 @@ def test_two_graphs_without_namespaces_and_without_a_bring_up_end_in_an_error(
             )))
             for seed in (1, 2)
         ]  # fmt: skip
-        graph = stack.enter_context(Supervisor(domain, {name: both[0][name] for name in both[0]}, lambda: None))
+        graph = stack.enter_context(Supervisor(domain, dict(both[0]), lambda: None))
         graph.spin_until(
             lambda: all(graph._node.get_node_names().count(name) == 2 for name in both[0]), 60.0, "no start"
         )
         with pytest.raises(NodeError) as error:
-            graph.change_states(list(both[0]), Transition.TRANSITION_CONFIGURE, 60.0)
-            for name in both[0]:
-                graph.change_states([name], Transition.TRANSITION_ACTIVATE, 60.0)
-            graph.watch(None, 20.0, 30.0)
-        print(error.value)
+            run_through(graph, list(both[0]))
         assert error.value.kind == NodeStatus.STREAM
     assert not list(tmp_path.glob("*/bag")), "no bag is complete"
 
@@ -257,12 +259,12 @@ def test_processes_of_a_graph_stay_on_this_machine_unless_told_otherwise(
         for child in children.values():
             seen = Path(f"/proc/{child.pid}/environ").read_bytes().split(b"\0")
             assert f"ROS_AUTOMATIC_DISCOVERY_RANGE={variable or 'LOCALHOST'}".encode() in seen
-        raise Looked
+        raise LookedError
 
-    class Looked(Exception):
+    class LookedError(Exception):
         pass
 
-    with pytest.raises(Looked):
+    with pytest.raises(LookedError):
         run_graph(short_case(), tmp_path / "bag", on_start=look)
 
 

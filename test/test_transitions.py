@@ -131,9 +131,7 @@ def test_every_transition_from_every_state_works_or_says_why_not(
                 assert node._last_status.code != NodeStatus.ERROR
 
 
-def test_the_service_says_why_it_refuses(
-    domain: int, bag: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_the_service_says_why_it_refuses(domain: int, bag: Path, capfd: pytest.CaptureFixture[str]) -> None:
     with LocalGraph(domain, short_case(), bag, [NODES[1]]) as graph:
         client = graph.watcher.create_client(ChangeState, f"{STRUCTURE}/change_state")
         graph.spin_until(client.service_is_ready)

@@ -95,7 +95,10 @@ def full_namespace(name: str) -> str:
         validate_namespace(full)
     except InvalidNamespaceException:
         raise InputError(
-            "namespace", name, "is no ROS namespace", "Use letters, digits and _, none beginning with a digit."
+            "namespace",
+            name,
+            "is no ROS namespace",
+            "Use letters, digits and _, none beginning with a digit.",
         ) from None
     return full
 

@@ -22,14 +22,14 @@ from owt_postproc.core.sn import sn_curve
 from owt_postproc.partial_folder import partial_path
 from owt_wave_node.sea_source import resolve_case
 
-__all__ = ["RECORDS", "Cancelled", "Outcome", "Speed", "check_case", "run_goal"]
+__all__ = ["RECORDS", "CancelledError", "Outcome", "Speed", "check_case", "run_goal"]
 
 #: What a bag may hold.
 RECORDS = ("default", "all")
 _Status = RunSeaState.Result
 
 
-class Cancelled(OwtError):
+class CancelledError(OwtError):
     """The run was ended on demand."""
 
 
@@ -109,7 +109,7 @@ def run_goal(
     progress : callable
         Called with the simulated time reached and the duration, in s.
     should_stop : callable
-        Called often; raises :class:`Cancelled` to end the run.
+        Called often; raises :class:`CancelledError` to end the run.
     """
     bag = Path(goal.bag).absolute()
     before = _identity(partial_path(bag))
@@ -151,7 +151,7 @@ def _left(bag: Path, before: int) -> str:
 
 def _status_of(error: OwtError) -> int:
     """Status of the action for an error."""
-    if isinstance(error, Cancelled):
+    if isinstance(error, CancelledError):
         return int(_Status.CANCELLED)
     if isinstance(error, NodeError):
         return error.kind or int(_Status.STREAM_ERROR)

@@ -19,6 +19,7 @@ from lifecycle_msgs.msg import Transition
 from owt_bringup.domain import full_namespace, own_domain, own_place
 from owt_bringup.nodes import NODES
 from owt_bringup.process import Child, find_executable, remove_shared_memory, shared_memory_of, stop_all
+from owt_bringup.security import enclave_arguments
 from owt_bringup.supervisor import Supervisor
 from owt_bringup.transport import PROFILE_VARIABLE, shared_memory_profile
 from owt_model.config import CaseConfig
@@ -237,7 +238,9 @@ def run_graph(
         try:
             for name, program in programs.items():
                 log = folder / f"{name}.log"
-                children[name] = Child(name, [str(program), *arguments], log, environment)
+                children[name] = Child(
+                    name, [str(program), *arguments, *enclave_arguments(name)], log, environment
+                )
             if on_start is not None:
                 on_start(children)
             with (

@@ -21,17 +21,15 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 
 from owt_bringup.domain import own_place
-from owt_bringup.goals import Cancelled, Outcome, Speed, check_case, run_goal
+from owt_bringup.goals import CancelledError, Outcome, Speed, check_case, run_goal
+from owt_bringup.security import ACTION, CHECK_CASE, SERVER, enclave_arguments
 from owt_model.errors import OwtError
 from owt_ros.process import run
 from owt_ros.qos import qos_for
 from owt_ros.topics import STATUS
 
-__all__ = ["ACTION", "CHECK_CASE", "BringupNode", "main", "serve"]
+__all__ = ["BringupNode", "main", "serve"]
 
-#: Relative names, as those of topics.
-ACTION, CHECK_CASE = "owt/run_sea_state", "owt/check_case"
-NAME = "bringup_node"
 #: Longest time in s between two feedbacks while the stream moves, at full speed.
 FEEDBACK_S = 0.1
 #: Longest time in s for a goal to end after a signal: that of nodes that must be killed, and some.
@@ -57,7 +55,7 @@ class BringupNode(Node):
     """
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__(NAME, **kwargs)
+        super().__init__(SERVER, **kwargs)
         self.domain, self.namespace = int(self.context.get_domain_id()), self.get_namespace()
         self._place = ExitStack()
         self._place.enter_context(own_place("server", self.domain, self.namespace))
@@ -83,7 +81,7 @@ class BringupNode(Node):
 
     def _say(self, message: str) -> None:
         """Publish what the server does; latched."""
-        self._status.publish(NodeStatus(node=NAME, code=NodeStatus.RUNNING, message=message))
+        self._status.publish(NodeStatus(node=SERVER, code=NodeStatus.RUNNING, message=message))
 
     # --- goals ------------------------------------------------------------------------------------
 
@@ -130,9 +128,9 @@ class BringupNode(Node):
 
     def _check_stop(self, handle: Any) -> None:
         if self._stopping:
-            raise Cancelled("the server was told to end")
+            raise CancelledError("the server was told to end")
         if handle.is_cancel_requested:
-            raise Cancelled("cancelled")
+            raise CancelledError("cancelled")
 
     def _end(self, handle: Any, outcome: Outcome) -> None:
         """Give the goal its final state, and report it."""
@@ -209,6 +207,9 @@ def serve(arguments: list[str] | None = None) -> int:
     """
     # as run_graph does for the nodes: one range for the server and what it starts
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    arguments = list(sys.argv if arguments is None else arguments)
+    if "--enclave" not in arguments and (secured := enclave_arguments(SERVER)):
+        arguments += ["--ros-args", *secured]
     return run(BringupNode, arguments, make_executor=lambda: MultiThreadedExecutor(num_threads=_THREADS))
 
 

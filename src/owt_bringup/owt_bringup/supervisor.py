@@ -14,16 +14,20 @@ from lifecycle_msgs.srv import ChangeState
 from owt_msgs.msg import NodeStatus
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from owt_bringup.process import Child
+from owt_bringup.security import BRINGUP, enclave_arguments
 from owt_model.errors import OwtError, StreamError
 from owt_ros.lifecycle import ACTIVE, CONFIGURED, PAUSED
 from owt_ros.qos import qos_for
 from owt_ros.topics import POSTPROC, STATUS
 
 __all__ = ["NodeError", "Supervisor"]
+
+RCLError = rclpy_implementation.RCLError
 
 _LABELS = {Transition.TRANSITION_CONFIGURE: CONFIGURED, Transition.TRANSITION_ACTIVATE: ACTIVE}
 #: Seconds for which the reason of a refused transition is awaited.
@@ -74,10 +78,17 @@ class Supervisor:
         self._place = f"ROS domain {domain}, namespace {namespace}"
         self.status: dict[str, NodeStatus] = {}
         self._context = Context()
-        rclpy.init(context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = Node(
-            "owt_bringup", context=self._context, namespace=namespace, use_global_arguments=False
-        )
+        secured = enclave_arguments(BRINGUP)
+        try:
+            rclpy.init(
+                args=["--ros-args", *secured] if secured else [],
+                context=self._context,
+                domain_id=domain,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+            self._node = Node(BRINGUP, context=self._context, namespace=namespace, use_global_arguments=False)
+        except RCLError as error:  # no keystore, or a middleware without security
+            raise StreamError(f"ROS 2 does not start: {' '.join(str(error).split())}") from None
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         profile = qos_for(STATUS)

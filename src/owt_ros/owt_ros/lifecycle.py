@@ -211,9 +211,7 @@ class StageNode(ManagedNode):
             return
         if missing:
             lost = ", ".join(f"{name} (for {label})" for name, label in missing.items())
-            raise StreamError(
-                f"no subscription of {lost} within {self.options.wait_s:g} s: start it first"
-            )
+            raise StreamError(f"no subscription of {lost} within {self.options.wait_s:g} s: start it first")
         self._stop_starting()
         self.advance()
 

@@ -109,9 +109,10 @@ def run(
     """
     stop.install()
     _follow_parent()
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    code, node, executor = 0, None, make_executor()
+    code, node, executor = 0, None, None
     try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+        executor = make_executor()
         node = make_node()
         executor.add_node(node)
         while stop.signal is None:
@@ -123,7 +124,7 @@ def run(
         print(f"error: {kind}{' '.join(str(error).split())}", file=sys.stderr)
         code = 1
     finally:
-        if node is not None:
+        if node is not None and executor is not None:
             node.close()
             executor.shutdown(timeout_sec=1.0)
             node.destroy_node()

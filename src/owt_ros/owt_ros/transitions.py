@@ -68,7 +68,9 @@ class ManagedNode(LifecycleNode):
             return response
         return self._answer_change(request, response)
 
-    def _trigger(self, number: int, change: Callable[[], TransitionCallbackReturn]) -> TransitionCallbackReturn:
+    def _trigger(
+        self, number: int, change: Callable[[], TransitionCallbackReturn]
+    ) -> TransitionCallbackReturn:
         refused = self._refused(_NAMES[number].split()[0], lambda n, _: n == number)
         return TransitionCallbackReturn.ERROR if refused else change()
 

@@ -96,9 +96,7 @@ class StructureNode(StageNode):
     def _on_basis(self, message: Any) -> None:
         self._check_hash(message, topics.LOAD_BASIS)
         if self._model is not None:
-            raise StreamError(
-                "a second load basis arrived: clean up and configure before another sea state"
-            )
+            raise StreamError("a second load basis arrived: clean up and configure before another sea state")
         with interruptible():
             self._model = build_response_model(
                 self._case, self._mesh, decode.to_load_basis(message), self._top

@@ -10,7 +10,10 @@ HELP = "serve the action owt/run_sea_state and the service owt/check_case to ope
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument(
-        "--namespace", default="", metavar="NAME", help="namespace of the server and of the graphs that it runs"
+        "--namespace",
+        default="",
+        metavar="NAME",
+        help="namespace of the server and of the graphs that it runs",
     )
 
 

@@ -130,8 +130,8 @@ def run_goal(
             progress=progress,
             should_stop=should_stop,
         )
-        numbers = write_results(bag_report(result.bag), result.bag)
         progress(case.time.duration_s, case.time.duration_s)
+        numbers = write_results(bag_report(result.bag), result.bag)
         return Outcome(_Status.SUCCEEDED, "", str(bag), json.dumps(numbers, allow_nan=False))
     except OwtError as error:
         message = " ".join(str(error).split())

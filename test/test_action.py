@@ -234,6 +234,23 @@ def test_cancelling_closes_the_bag_and_another_goal_meanwhile_is_rejected(
     assert [m.sequence for m in recorded["/owt/energy"]] == list(range(len(recorded["/owt/energy"])))
 
 
+def test_cancelling_while_the_nodes_compute_ends_them(place: tuple[Child, Operator], tmp_path: Path) -> None:
+    """A second-order sea of minutes: the wave node is still configuring."""
+    server, operator = place
+    operator.status.clear()
+    handle = operator.send(short_case(time={"n": 20_000}, wave={"order": 2}), tmp_path / "bag")
+    operator.spin_until(lambda: (POSTPROC, "configured") in [(m.node, m.message) for m in operator.status])
+    nodes, began = nodes_of(server), time.monotonic()
+    assert operator.wait(handle.cancel_goal_async()).goals_canceling
+    state, result = operator.result(handle)
+    assert time.monotonic() - began < 4.0
+    assert (state, result.status) == (GoalStatus.STATUS_CANCELED, Status.CANCELLED)
+    assert len(nodes) == 3
+    assert not any(Path(f"/proc/{pid}").exists() for pid in nodes.values())
+    assert operator.feedback[-1].time_s == 0.0
+    assert set(read_by_rosbags(Path(result.bag))) >= {"/owt/energy"}, "readable, and empty"
+
+
 def test_a_number_that_is_none_is_an_error_of_numerics(place: tuple[Child, Operator], tmp_path: Path) -> None:
     """Somebody's load at the tower top is NaN, on the topic of the namespace."""
     _, operator = place

@@ -22,7 +22,13 @@ from owt_bringup import supervisor
 from owt_bringup.domain import full_namespace, own_place
 from owt_bringup.graph import run_graph
 from owt_bringup.nodes import NODES
-from owt_bringup.process import Child, find_executable, stop_all
+from owt_bringup.process import (
+    Child,
+    find_executable,
+    remove_shared_memory,
+    shared_memory_of,
+    stop_all,
+)
 from owt_bringup.supervisor import NodeError, Supervisor
 from owt_campaign.pipeline import prepare_case, stream_case
 from owt_model.config import CaseConfig
@@ -113,6 +119,25 @@ def test_two_graphs_in_one_domain_give_the_numbers_of_one_process_each(tmp_path:
         assert heard[DIAGNOSTICS.name]
     assert not any(found for (place, _), found in listener.heard.items() if place == "/")
     assert not {"/clock", "/diagnostics"} & {n for n in everywhere if n.startswith(("/north", "/sites"))}
+
+
+def test_shared_memory_of_another_graph_is_left_alone(tmp_path: Path, domain: int) -> None:
+    """A node maps the segments of all nodes in its domain; only those without an owner are removed."""
+    code = "import rclpy; rclpy.init(); n = rclpy.create_node('x'); print('up', flush=True); rclpy.spin(n)"
+    with subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
+    ) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == b"up\n"
+        segments = shared_memory_of(other.pid)
+        assert segments
+        remove_shared_memory(segments)
+        assert all(path.exists() for path in segments)
+        other.kill()
+    remove_shared_memory(segments)
+    assert not any(path.exists() for path in segments)
 
 
 def test_a_second_graph_in_the_same_place_is_refused_and_the_first_goes_on(

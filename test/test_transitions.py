@@ -1,14 +1,21 @@
 """Transitions of the managed nodes: in any order, refused with a reason, paused and resumed."""
 
 import random
+import threading
+import time
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 import pytest
+import rclpy
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from owt_msgs.msg import NodeStatus
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from local_graph import (
@@ -20,8 +27,11 @@ from local_graph import (
     read_by_rosbags,
     short_case,
 )
+from owt_bringup import supervisor
+from owt_bringup.graph import Timeouts, run_graph
 from owt_campaign.pipeline import CaseBlocks, CaseRun, prepare_case, stream_case
 from owt_model.config import CaseConfig
+from owt_model.errors import OwtError
 from owt_ros.lifecycle import ACTIVE, PAUSED, StageNode
 from owt_ros.topics import POSTPROC, STRUCTURE, WAVE
 
@@ -197,6 +207,54 @@ def test_a_paused_and_resumed_run_gives_the_same_bag(
     assert_bag_equal(bag, expected_messages(run, list(stream_case(run))))
     with pytest.raises(AssertionError):  # negative control: a bag with other blocks is noticed
         assert_bag_equal(bag, expected_messages(*reference))
+
+
+class Pause:
+    """Deactivates the wave node of a graph of processes for longer than the limit without progress."""
+
+    def __init__(self, domain: int, seconds: float) -> None:
+        self._domain, self._seconds = domain, seconds
+        self._reached = threading.Event()
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.answers: list[bool] = []
+
+    def on_progress(self, reached: float, _: float) -> None:
+        if reached > 2.0:
+            self._reached.set()
+
+    def _run(self) -> None:
+        context = Context()
+        rclpy.init(context=context, domain_id=self._domain)
+        node = Node("operator", context=context, use_global_arguments=False)
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        client = node.create_client(ChangeState, f"{WAVE}/change_state")
+        client.wait_for_service(60.0)
+        self._reached.wait(60.0)
+        for label in ("deactivate", "activate"):
+            future = client.call_async(ChangeState.Request(transition=Transition(label=label)))
+            executor.spin_until_future_complete(future, 10.0)
+            self.answers.append(bool(future.done() and future.result().success))
+            time.sleep(self._seconds if label == "deactivate" else 0.0)
+        executor.shutdown(timeout_sec=1.0)
+        node.destroy_node()
+        rclpy.shutdown(context=context)
+
+
+@pytest.mark.parametrize("noticed", [True, False])
+def test_a_pause_is_no_stall(domain: int, bag: Path, monkeypatch: pytest.MonkeyPatch, noticed: bool) -> None:
+    case = short_case(stream={"rate": 10.0, "block": 5})
+    if not noticed:  # negative control
+        monkeypatch.setattr(supervisor, "PAUSED", "nobody says so")
+    pause = Pause(domain, 5.0)
+    pause.thread.start()
+    with nullcontext() if noticed else pytest.raises(OwtError, match=r"no progress for 2\.\d* s"):
+        run_graph(case, bag, domain_id=domain, timeouts=Timeouts(stall=2.0), progress=pause.on_progress)
+    pause.thread.join()
+    if noticed:
+        assert pause.answers == [True, True]
+        run = prepare_case(case)
+        assert_bag_equal(bag, expected_messages(run, list(stream_case(run))))
 
 
 def test_a_node_that_failed_while_it_worked_starts_only_after_a_cleanup(domain: int, bag: Path) -> None:

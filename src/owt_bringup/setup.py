@@ -16,7 +16,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
         (f"share/{NAME}/launch", glob("launch/*.py")),
-        (f"share/{NAME}/config", glob("config/*.yaml")),
+        (f"share/{NAME}/config", glob("config/*.*")),
     ],
     install_requires=["setuptools", "pydantic>=2"],
     extras_require={"test": ["beartype", "pytest", "pytest-timeout"]},
@@ -28,6 +28,7 @@ setup(
     entry_points={
         "console_scripts": [
             "owt = owt_bringup.cli:main",
+            "bringup_node = owt_bringup.server:main",
         ],
     },
 )

@@ -18,6 +18,7 @@ from lifecycle_msgs.msg import Transition
 from launch import LaunchDescription
 from owt_bringup.arguments import LAUNCH_ARGUMENTS, parameter_overrides
 from owt_bringup.nodes import NODES
+from owt_bringup.security import enclave_arguments
 from owt_ros.topics import POSTPROC
 
 
@@ -38,8 +39,9 @@ def start(context):
             package=spec.package,
             executable=spec.name,
             name=spec.name,
-            namespace="",
+            namespace=given["namespace"],
             output="screen",
+            ros_arguments=enclave_arguments(spec.name),
             parameters=[*case, bag] if spec.name == POSTPROC else case,
             on_exit=Shutdown(reason=f"{spec.name} ended"),
         )

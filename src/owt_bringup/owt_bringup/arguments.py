@@ -43,6 +43,7 @@ LAUNCH_ARGUMENTS = (
     Argument("bag", "bags/launch", "folder to record into; must not exist unless overwrite is true"),
     Argument("overwrite", "false", "replace an existing bag: true or false"),
     Argument("parameters", "", "parameter file; that of the package by default"),
+    Argument("namespace", "", "namespace of all nodes, services and topics"),
     *(Argument(flag, "", leaf.description) for flag, leaf in _parameters().items()),
 )
 

@@ -15,6 +15,7 @@ __all__ = ["main"]
 #: Command -> module with ``HELP``, ``add_arguments(parser)`` and ``run(arguments) -> int``.
 COMMANDS = {
     "demo": "owt_bringup.commands.demo",
+    "serve": "owt_bringup.commands.serve",
     "sea": "owt_bringup.commands.sea",
     "waves": "owt_bringup.commands.waves",
     "loads": "owt_bringup.commands.loads",

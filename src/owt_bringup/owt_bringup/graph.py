@@ -16,9 +16,10 @@ from typing import Any
 
 from lifecycle_msgs.msg import Transition
 
-from owt_bringup.domain import own_domain
+from owt_bringup.domain import full_namespace, own_domain, own_place
 from owt_bringup.nodes import NODES
 from owt_bringup.process import Child, find_executable, remove_shared_memory, shared_memory_of, stop_all
+from owt_bringup.security import enclave_arguments
 from owt_bringup.supervisor import Supervisor
 from owt_bringup.transport import PROFILE_VARIABLE, shared_memory_profile
 from owt_model.config import CaseConfig
@@ -76,8 +77,14 @@ def _stall(case: CaseConfig, limits: Timeouts) -> float:
 
 
 @contextmanager
-def _signals() -> Iterator[Callable[[], None]]:
-    """Turn SIGINT and SIGTERM into an exception at a place where it does no harm: the function yielded."""
+def _signals(should_stop: Callable[[], None] | None) -> Iterator[Callable[[], None]]:
+    """Turn SIGINT and SIGTERM into an exception at a place where it does no harm: the function yielded.
+
+    A caller that brings its own function minds the signals itself.
+    """
+    if should_stop is not None:
+        yield should_stop
+        return
     received: list[signal.Signals] = []
 
     def check() -> None:
@@ -169,7 +176,9 @@ def run_graph(
     progress: Callable[[float, float], None] | None = None,
     timeouts: Timeouts | None = None,
     domain_id: int | None = None,
+    namespace: str = "",
     on_start: Callable[[dict[str, Child]], None] | None = None,
+    should_stop: Callable[[], None] | None = None,
 ) -> GraphResult:
     """Run one case as a ROS 2 graph and record it.
 
@@ -190,8 +199,12 @@ def run_graph(
         Longest times.
     domain_id : int, optional
         ROS domain; a free one by default.
+    namespace : str
+        Of all nodes, services and topics. The bag and its messages are those of a graph without one.
     on_start : callable, optional
         Called with the processes, by node name, once they run.
+    should_stop : callable, optional
+        Called often; what it raises ends the run. By default SIGINT and SIGTERM do.
 
     Raises
     ------
@@ -201,28 +214,36 @@ def run_graph(
         On SIGINT, after everything was stopped.
     """
     case = resolve_case(case)  # the bag's case must run again without the file of its sea
-    bag, limits = Path(bag).absolute(), timeouts or Timeouts()
+    bag, limits, namespace = Path(bag).absolute(), timeouts or Timeouts(), full_namespace(namespace)
     if bag.exists() and not overwrite:
         raise InputError("bag", str(bag), "exists already", "Choose another name or remove it.")
     programs = {node.name: find_executable(node.package, node.name) for node in NODES}
     children: dict[str, Child] = {}
     shared: set[Path] = set()
     began = {"start": time.monotonic()}
-    with _work_folder(bag) as folder, own_domain(domain_id) as domain, _signals() as should_stop:
+    with (
+        own_domain(domain_id) as domain,
+        own_place("graph", domain, namespace),
+        _work_folder(bag) as folder,
+        _signals(should_stop) as check,
+    ):
         parameters = folder / "parameters.yaml"
         options = {POSTPROC: {"bag": str(bag), "overwrite": overwrite, "record": record}}
         parameters.write_text(parameter_yaml(case, options), encoding="utf-8")
         arguments = ["--ros-args", "--disable-external-lib-logs", "--params-file", str(parameters)]
+        arguments += [] if namespace == "/" else ["--remap", f"__ns:={namespace}"]
         environment = _environment(domain, folder)
         try:
             for name, program in programs.items():
                 log = folder / f"{name}.log"
-                children[name] = Child(name, [str(program), *arguments], log, environment)
+                children[name] = Child(
+                    name, [str(program), *arguments, *enclave_arguments(name)], log, environment
+                )
             if on_start is not None:
                 on_start(children)
             with (
                 _environment_variable(PROFILE_VARIABLE, environment.get(PROFILE_VARIABLE)),
-                Supervisor(domain, children, should_stop) as graph,
+                Supervisor(domain, children, check, namespace) as graph,
             ):
                 graph.await_services(limits.start)
                 began["configure"] = time.monotonic()

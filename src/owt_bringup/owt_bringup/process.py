@@ -7,6 +7,7 @@ children in order. A child asks the kernel to be told when the bring-up dies
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import signal
@@ -140,15 +141,33 @@ def shared_memory_of(pid: int | str) -> set[Path]:
 
 
 def remove_shared_memory(files: Iterable[Path]) -> None:
-    """Remove what killed processes left; what this process still uses stays.
+    """Remove what killed processes left; what another process owns, or this one uses, stays.
 
-    Only for the segments of a domain of one's own whose processes have all ended. Ports are left alone:
-    graphs in other domains may share them.
+    A process reads from the segments of all others in its domain, so some of `files` may belong to another
+    graph: the owner of a segment holds a lock on the file beside it. Ports are left alone: graphs in other
+    domains may share them.
     """
     for path in set(files) - shared_memory_of("self"):
-        for file in (path, path.with_name(f"{path.name}_el")):
-            with suppress(OSError):
-                file.unlink()
+        lock = path.with_name(f"{path.name}_el")
+        if not _is_owned(lock):
+            for file in (path, lock):
+                with suppress(OSError):
+                    file.unlink()
+
+
+def _is_owned(lock: Path) -> bool:
+    """Tell whether a process holds the lock of a segment."""
+    try:
+        fd = os.open(lock, os.O_RDONLY | os.O_CLOEXEC)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return True
+    finally:
+        os.close(fd)
+    return False
 
 
 def stop_all(children: Iterable[Child], *, patience_s: float = PATIENCE_S) -> None:

@@ -13,7 +13,14 @@ if TYPE_CHECKING:
     from owt_model.structure import Structure
     from owt_wave_node.sea_source import SourceReport
 
-__all__ = ["ignored_options", "load_reported_case", "load_resolved_case", "print_notes", "print_warnings"]
+__all__ = [
+    "case_warnings",
+    "ignored_options",
+    "load_reported_case",
+    "load_resolved_case",
+    "print_notes",
+    "print_warnings",
+]
 
 
 def load_resolved_case(path: Path) -> CaseConfig:
@@ -118,9 +125,14 @@ def print_notes(
 
 
 def print_warnings(case: CaseConfig, structure: Structure | None = None) -> None:
-    """Print one line for each model that `case`, its sea resolved, uses outside its range."""
+    """Print what :func:`case_warnings` says."""
+    for line in case_warnings(case, structure):
+        print(f"warning: {line}", file=sys.stderr)
+
+
+def case_warnings(case: CaseConfig, structure: Structure | None = None) -> list[str]:
+    """One line for each model that `case`, its sea resolved, uses outside its range."""
     from owt_wave_node.core.regime import regime_warnings
     from owt_wave_node.core.sea import build_sea_state
 
-    for line in regime_warnings(case, build_sea_state(case), structure):
-        print(f"warning: {line}", file=sys.stderr)
+    return list(regime_warnings(case, build_sea_state(case), structure))

@@ -6,7 +6,7 @@ import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NoReturn, Self
 
 import rclpy
 from lifecycle_msgs.msg import Transition
@@ -14,20 +14,42 @@ from lifecycle_msgs.srv import ChangeState
 from owt_msgs.msg import NodeStatus
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from owt_bringup.process import Child
-from owt_model.errors import OwtError
-from owt_ros.lifecycle import ACTIVE, CONFIGURED
+from owt_bringup.security import BRINGUP, enclave_arguments
+from owt_model.errors import OwtError, StreamError
+from owt_ros.lifecycle import ACTIVE, CONFIGURED, PAUSED
 from owt_ros.qos import qos_for
 from owt_ros.topics import POSTPROC, STATUS
 
-__all__ = ["Supervisor"]
+__all__ = ["NodeError", "Supervisor"]
+
+RCLError = rclpy_implementation.RCLError
 
 _LABELS = {Transition.TRANSITION_CONFIGURE: CONFIGURED, Transition.TRANSITION_ACTIVATE: ACTIVE}
 #: Seconds for which the reason of a refused transition is awaited.
 _REASON_S = 2.0
+#: Seconds for which the graph remembers a process that was killed, and a little more.
+_FORGET_S = 25.0
+
+
+class NodeError(OwtError):
+    """What a node reported.
+
+    Parameters
+    ----------
+    message : str
+        One line with the name of the node.
+    kind : int
+        ``NodeStatus.INPUT``, ``STREAM`` or ``NUMERICS``.
+    """
+
+    def __init__(self, message: str, kind: int) -> None:
+        self.kind = kind
+        super().__init__(message)
 
 
 class Supervisor:
@@ -41,14 +63,32 @@ class Supervisor:
         Processes by node name.
     should_stop : callable
         Raises when the user wants to stop; called often.
+    namespace : str
+        Of the graph, e.g. "/north".
     """
 
-    def __init__(self, domain: int, children: Mapping[str, Child], should_stop: Callable[[], None]) -> None:
-        self._children, self._should_stop = children, should_stop
+    def __init__(
+        self,
+        domain: int,
+        children: Mapping[str, Child],
+        should_stop: Callable[[], None],
+        namespace: str = "/",
+    ) -> None:
+        self._children, self._should_stop, self._namespace = children, should_stop, namespace
+        self._place = f"ROS domain {domain}, namespace {namespace}"
         self.status: dict[str, NodeStatus] = {}
         self._context = Context()
-        rclpy.init(context=self._context, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
-        self._node = Node("owt_bringup", context=self._context, use_global_arguments=False)
+        secured = enclave_arguments(BRINGUP)
+        try:
+            rclpy.init(
+                args=["--ros-args", *secured] if secured else [],
+                context=self._context,
+                domain_id=domain,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+            self._node = Node(BRINGUP, context=self._context, namespace=namespace, use_global_arguments=False)
+        except RCLError as error:  # no keystore, or a middleware without security
+            raise StreamError(f"ROS 2 does not start: {' '.join(str(error).split())}") from None
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         profile = qos_for(STATUS)
@@ -66,10 +106,10 @@ class Supervisor:
         self._should_stop()
         for child in self._children.values():
             if child.exit_code is not None:
-                raise OwtError(child.describe_end())
+                raise StreamError(child.describe_end())
         for name, status in self.status.items():
             if status.code == NodeStatus.ERROR and name in self._children:
-                raise OwtError(f"{name}: {status.message}")
+                raise NodeError(f"{name}: {status.message}", int(status.kind))
 
     def spin_until(self, ready: Callable[[], bool], seconds: float, what: str | Callable[[], str]) -> None:
         """Work until `ready()`.
@@ -83,17 +123,40 @@ class Supervisor:
         while not ready():
             self.check()
             if time.monotonic() > deadline:
-                raise OwtError(f"{what if isinstance(what, str) else what()} within {seconds:g} s")
+                raise StreamError(f"{what if isinstance(what, str) else what()} within {seconds:g} s")
             self._executor.spin_once(timeout_sec=0.05)
 
     def await_services(self, seconds: float) -> None:
-        """Wait until every node can be asked to change its state."""
+        """Wait until every node can be asked to change its state, and is the only one of its name.
+
+        Raises
+        ------
+        OwtError
+            If one is not reached within `seconds`, or nodes of another graph stay.
+        """
 
         def missing() -> list[str]:
             return [name for name, client in self._change.items() if not client.service_is_ready()]
 
         self.spin_until(
             lambda: not missing(), seconds, lambda: f"{', '.join(missing())} could not be reached"
+        )
+        # a killed process stays in the graph for a while
+        self.spin_until(
+            lambda: not self._doubles(),
+            _FORGET_S,
+            lambda: f"{self._describe_doubles()}; the other one did not leave",
+        )
+
+    def _doubles(self) -> list[str]:
+        """Nodes of this graph whose name is taken by another one, too."""
+        found = self._node.get_node_names_and_namespaces()
+        return [name for name in self._change if found.count((name, self._namespace)) > 1]
+
+    def _describe_doubles(self) -> str:
+        return (
+            f"two nodes are named {', '.join(self._doubles())} in {self._place}: end the other graph or give "
+            "one of them a namespace"
         )
 
     def change_states(self, names: Sequence[str], transition: int, seconds: float) -> None:
@@ -120,8 +183,18 @@ class Supervisor:
         )
         for name, future in futures.items():
             if future.done() and not future.result().success:
-                refusal = f"{name} did not become {_LABELS[transition]}"
-                self.spin_until(lambda: False, _REASON_S, f"{refusal} and gave no reason")
+                self._give_reason(name, f"{name} did not become {_LABELS[transition]}")
+
+    def _give_reason(self, name: str, refusal: str) -> NoReturn:
+        """Raise the reason that a node gives for its refusal."""
+
+        def reason() -> str:
+            status = self.status.get(name)
+            return "" if status is None or status.message in (*_LABELS.values(), PAUSED) else status.message
+
+        self.spin_until(lambda: bool(reason()), _REASON_S, f"{refusal} and gave no reason")
+        self.check()
+        raise StreamError(f"{refusal}: {reason()}")
 
     def _is_reported(self, name: str, transition: int) -> bool:
         status = self.status.get(name)
@@ -142,6 +215,7 @@ class Supervisor:
             Longest time in s without any progress.
         """
         reached, since = -1.0, time.monotonic()
+        looked = since
         while True:
             status = self.status.get(POSTPROC)
             if status is not None and status.code == NodeStatus.DONE:
@@ -152,8 +226,14 @@ class Supervisor:
                 reached, since = now, time.monotonic()
                 if progress is not None and status is not None:
                     progress(min(status.time_s, duration), duration)
+            elif any(entry.message == PAUSED for entry in self.status.values()):
+                since = time.monotonic()
             elif time.monotonic() - since > stall:
-                raise OwtError(f"no progress for {stall:g} s: {self._stand()}")
+                raise StreamError(f"no progress for {stall:g} s: {self._stand()}")
+            if time.monotonic() - looked > 1.0:
+                looked = time.monotonic()
+                if self._doubles():
+                    raise StreamError(self._describe_doubles())
             self._executor.spin_once(timeout_sec=0.1)
 
     def _stand(self) -> str:

@@ -38,7 +38,7 @@ def test_the_launch_file_names_only_declared_arguments() -> None:
         and node.value.id == "given"
         and isinstance(node.slice, ast.Constant)
     }
-    assert used == {"bag", "overwrite", "parameters"}
+    assert used == {"bag", "namespace", "overwrite", "parameters"}
     assert used <= {argument.name for argument in LAUNCH_ARGUMENTS}
 
 

@@ -49,6 +49,7 @@ __all__ = [
     "WindConfig",
     "load_case",
     "parse_case",
+    "parse_case_text",
 ]
 
 #: Steepness 2 pi Hs / (g Tp^2) above which a sea state cannot exist (limit of a single deep-water wave).
@@ -324,13 +325,32 @@ def load_case(path: str | Path) -> CaseConfig:
         raise InputError(
             "case file", str(path), f"cannot be read ({reason})", "Give a readable JSON file."
         ) from None
+    return parse_case_text(text, field="case file", shown=str(path))
+
+
+def parse_case_text(text: str, *, field: str = "case_json", shown: str | None = None) -> CaseConfig:
+    """Validate a case given as JSON text.
+
+    Parameters
+    ----------
+    text : str
+        The case.
+    field, shown : str
+        Where it comes from, for messages; the text itself if `shown` is left out.
+
+    Raises
+    ------
+    InputError
+        If it is not JSON, or holds a value that the model refuses.
+    """
     try:
         data = json.loads(text, object_pairs_hook=_no_duplicates)
     except InputError:
         raise
     except (ValueError, RecursionError) as error:
         reason = str(error).splitlines()[0]
-        raise InputError("case file", str(path), f"is not JSON ({reason})", "Check its syntax.") from None
+        value = text if shown is None else shown
+        raise InputError(field, value, f"is not JSON ({reason})", "Check its syntax.") from None
     return parse_case(data)
 
 

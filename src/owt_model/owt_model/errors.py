@@ -1,10 +1,10 @@
-"""The one error that bad input raises, and the one that a computation raises."""
+"""The one error that bad input raises, and those that a computation and a stream raise."""
 
 from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["ComputationError", "InputError", "OwtError"]
+__all__ = ["ComputationError", "InputError", "OwtError", "StreamError"]
 
 
 class OwtError(Exception):
@@ -36,3 +36,7 @@ class InputError(OwtError, ValueError):
 
 class ComputationError(OwtError, ArithmeticError):
     """A computation that did not produce a trustworthy number (no convergence, NaN, a gap)."""
+
+
+class StreamError(ComputationError):
+    """What a computation needs did not arrive, or could not be recorded (a gap, a dead node, a full disk)."""

@@ -8,7 +8,7 @@ import os
 import shutil
 from pathlib import Path
 
-from owt_model.errors import ComputationError, InputError
+from owt_model.errors import InputError, StreamError
 
 __all__ = ["PartialFolder", "partial_path", "sync"]
 
@@ -115,7 +115,7 @@ class PartialFolder:
 
         Raises
         ------
-        ComputationError
+        StreamError
             If that cannot be done; the partial folder stays.
         """
         old = self.folder.with_name(f".{self.path.name}.old")
@@ -135,9 +135,9 @@ class PartialFolder:
         shutil.rmtree(old, ignore_errors=True)
         self.release()
 
-    def failure(self, reason: str) -> ComputationError:
+    def failure(self, reason: str) -> StreamError:
         """The error of a recording that broke off."""
-        return ComputationError(f"bag {self.path}: {reason}; what was recorded is kept in {self.folder}.")
+        return StreamError(f"bag {self.path}: {reason}; what was recorded is kept in {self.folder}.")
 
     def release(self) -> None:
         """Unlock; the folder stays as it is."""

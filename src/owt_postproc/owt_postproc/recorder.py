@@ -14,7 +14,7 @@ from pathlib import Path
 from rclpy.serialization import deserialize_message
 
 from owt_model.config import CaseConfig
-from owt_model.errors import ComputationError, OwtError
+from owt_model.errors import OwtError, StreamError
 from owt_model.structure import case_structure
 from owt_model.versions import versions
 from owt_postproc.bag import BagWriter
@@ -123,7 +123,7 @@ class Recorder:
 
         Raises
         ------
-        ComputationError
+        StreamError
             If the bag cannot be written any further, the message cannot be or belongs to another structure,
             a second one comes on a latched topic, or the clock goes back.
         """
@@ -147,12 +147,12 @@ class Recorder:
         if hasattr(message, "model_hash"):
             check_model(message, topic, self._structure, self._model_name)
         if topic.kind is Kind.LATCHED and self.counts[topic.label]:
-            raise ComputationError(
+            raise StreamError(
                 f"a second message on {topic.label}: only one node may publish it, once for each run"
             )
         if topic is topics.CLOCK:
             if time_ns <= self._clock_ns:
-                raise ComputationError(
+                raise StreamError(
                     f"{topic.label} went from {self._clock_ns * 1e-9:.9g} s to {time_ns * 1e-9:.9g} s: only "
                     "one node may publish it"
                 )

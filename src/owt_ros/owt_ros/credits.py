@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from owt_model.config import CaseConfig
-from owt_model.errors import ComputationError, InputError
+from owt_model.errors import InputError, StreamError
 
 __all__ = ["CreditWindow", "Flow", "StreamGuard", "flow_of"]
 
@@ -112,13 +112,13 @@ class CreditWindow:
 
         Raises
         ------
-        ComputationError
+        StreamError
             If the window is closed or `sequence` is not the next number.
         """
         if sequence != self._sent:
-            raise ComputationError(f"block {sequence} cannot be sent: the next one is {self._sent}")
+            raise StreamError(f"block {sequence} cannot be sent: the next one is {self._sent}")
         if not self.is_open:
-            raise ComputationError(f"block {sequence} cannot be sent: {self.in_flight} blocks are in flight")
+            raise StreamError(f"block {sequence} cannot be sent: {self.in_flight} blocks are in flight")
         self._sent += 1
 
     def acknowledge(self, consumer: str, sequence: int) -> bool:
@@ -172,18 +172,18 @@ class StreamGuard:
 
         Raises
         ------
-        ComputationError
+        StreamError
             If a block is missing, repeated, out of order, or comes after the end.
         """
         expected, got = self._next, f"{self._topic}: block {sequence} arrived"
         if self._finished:
-            raise ComputationError(f"{got} after the block marked last ({expected - 1})")
+            raise StreamError(f"{got} after the block marked last ({expected - 1})")
         if sequence > expected:
-            raise ComputationError(f"{got}, {expected} was expected: gap of {sequence - expected}")
+            raise StreamError(f"{got}, {expected} was expected: gap of {sequence - expected}")
         if sequence < expected:
-            raise ComputationError(f"{got}, {expected} was expected: duplicate or out of order")
+            raise StreamError(f"{got}, {expected} was expected: duplicate or out of order")
         if sequence > 0 and time_ns != self._next_time_ns:
-            raise ComputationError(
+            raise StreamError(
                 f"{got} with time {time_ns} ns, {self._next_time_ns} ns was expected: the clock jumped"
             )
         self._next += 1

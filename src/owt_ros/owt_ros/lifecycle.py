@@ -16,14 +16,14 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from owt_msgs.msg import Credit, NodeStatus
 from pydantic import BaseModel, ConfigDict, Field
 from rclpy.clock import Clock, ClockType
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from std_msgs.msg import Header
 
 from owt_model.config import CaseConfig
-from owt_model.errors import ComputationError, OwtError
+from owt_model.errors import InputError, OwtError, StreamError
 from owt_ros.convert import stamp
 from owt_ros.credits import Flow, flow_of
 from owt_ros.parameters import NodeParameters
@@ -31,11 +31,12 @@ from owt_ros.peers import Peers
 from owt_ros.qos import qos_for
 from owt_ros.streams import Inlet, Outlet
 from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, Topic
+from owt_ros.transitions import ManagedNode
 
-__all__ = ["ACTIVE", "CONFIGURED", "RATE_SUFFIX", "NodeOptions", "StageNode", "is_mark"]
+__all__ = ["ACTIVE", "CONFIGURED", "PAUSED", "RATE_SUFFIX", "NodeOptions", "StageNode", "is_mark"]
 
 #: Messages of a status without an error: the state that the node has reached.
-CONFIGURED, ACTIVE = "configured", "active"
+CONFIGURED, ACTIVE, PAUSED = "configured", "active", "paused"
 #: Ends the name of diagnostics that hold wall time; they are not recorded.
 RATE_SUFFIX = ": rate"
 #: Wall time in s between two reports of progress.
@@ -43,6 +44,13 @@ REPORT_S = 0.05
 #: Timers run on wall time, also under ``use_sim_time``.
 _WALL = Clock(clock_type=ClockType.STEADY_TIME)
 _SUCCESS, _FAILURE = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.FAILURE
+
+
+def _kind_of(error: OwtError) -> int:
+    """Kind of an error as the status names it."""
+    if isinstance(error, InputError):
+        return int(NodeStatus.INPUT)
+    return int(NodeStatus.STREAM if isinstance(error, StreamError) else NodeStatus.NUMERICS)
 
 
 class NodeOptions(BaseModel):
@@ -74,7 +82,7 @@ def is_mark(diagnostic: Any, *, but_of: str) -> bool:
     )
 
 
-class StageNode(LifecycleNode):
+class StageNode(ManagedNode):
     """One stage of the chain as a managed node.
 
     Parameters
@@ -94,6 +102,8 @@ class StageNode(LifecycleNode):
         self.active = False
         self.flow, self._outside_s = Flow(), 0.0
         self._failed = False
+        self._broken = ""
+        self._last_status = NodeStatus(node=self.ROLE)
         self._outlets: list[Outlet] = []
         self._inlets: list[Inlet] = []
         self._backlog: list[tuple[Callable[[Any], None], Any]] = []
@@ -179,17 +189,26 @@ class StageNode(LifecycleNode):
         self._diagnostics.publish(array)
         return array
 
-    def fail(self, message: str) -> None:
-        """Report an error once, and stop working."""
+    def fail(self, message: str, kind: int = NodeStatus.STREAM) -> None:
+        """Report an error once, and stop working until the next cleanup."""
         if self._failed:
             return
         self._failed = True
         message = " ".join(message.split())
         self.get_logger().error(message)
-        self._publish_status(NodeStatus.ERROR, message, "")
+        self._publish_status(NodeStatus.ERROR, message, "", kind)
         self.diagnose(DiagnosticStatus.ERROR, message)
         if self.active:
+            self._broken = message
             self.trigger_deactivate()
+
+    def refuse(self, reason: str) -> None:
+        """Say why a transition is refused; what the node does, or has done, goes on."""
+        super().refuse(reason)
+        self.diagnose(DiagnosticStatus.WARN, reason)
+        last = self._last_status
+        if last.code != NodeStatus.ERROR:  # the message of an error stays
+            self._publish_status(last.code, reason, last.result)
 
     # --- inputs and credits -----------------------------------------------------------------------
 
@@ -198,7 +217,7 @@ class StageNode(LifecycleNode):
         try:
             call(*arguments)
         except OwtError as error:
-            self.fail(str(error))
+            self.fail(str(error), _kind_of(error))
         except Exception as error:
             self.get_logger().error(traceback.format_exc())
             self.fail(f"internal error: {type(error).__name__}: {error}")
@@ -221,9 +240,7 @@ class StageNode(LifecycleNode):
             return
         if missing:
             lost = ", ".join(f"{name} (for {label})" for name, label in missing.items())
-            raise ComputationError(
-                f"no subscription of {lost} within {self.options.wait_s:g} s: start it first"
-            )
+            raise StreamError(f"no subscription of {lost} within {self.options.wait_s:g} s: start it first")
         self._stop_starting()
         self.advance()
 
@@ -259,17 +276,18 @@ class StageNode(LifecycleNode):
         values = {"simulated seconds per second": f"{speed:.3g}", **blocks}
         for outlet in self._outlets:
             if stalled := outlet.stalls(self.options.stall_s + self._outside_s):
-                raise ComputationError(stalled)
+                raise StreamError(stalled)
         late = "; ".join(filter(None, (outlet.lateness for outlet in self._outlets)))
         level = DiagnosticStatus.WARN if late else DiagnosticStatus.OK
         self.diagnose(level, f"late: {late}" if late else "running", suffix=RATE_SUFFIX, **values)
         if late:
             self.get_logger().warning(f"late: {late}", throttle_duration_sec=10.0)
 
-    def _publish_status(self, code: int, message: str, result: str) -> None:
-        self._status.publish(
-            NodeStatus(node=self.ROLE, code=code, message=message, time_s=self.time_ns * 1e-9, result=result)
+    def _publish_status(self, code: int, message: str, result: str, kind: int = 0) -> None:
+        self._last_status = NodeStatus(
+            node=self.ROLE, code=code, message=message, kind=kind, time_s=self.time_ns * 1e-9, result=result
         )
+        self._status.publish(self._last_status)
 
     # --- transitions ------------------------------------------------------------------------------
 
@@ -306,12 +324,14 @@ class StageNode(LifecycleNode):
         return result
 
     def _activate(self) -> None:
+        if self._broken:
+            raise StreamError(f"the run broke off ({self._broken}): clean up and configure before another")
         self._waiting_since = time.monotonic()
         self._rate_from = self._waiting_since, self.time_ns
         self._reported = 0.0
         # A peer may have died since this node was configured, when nothing was owed yet.
         for loss in filter(None, map(self._loss, self._peers.lost if self._peers else ())):
-            raise ComputationError(loss)
+            raise StreamError(loss)
         self.announce()
         self.report()
         self.diagnose(DiagnosticStatus.OK, "active")
@@ -330,6 +350,8 @@ class StageNode(LifecycleNode):
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Stop working; what arrives from now on is kept for the next activation."""
+        if self.active and not self._failed and self._last_status.code == NodeStatus.RUNNING:
+            self._publish_status(NodeStatus.RUNNING, PAUSED, "")
         self.active = False
         self._stop_starting()
         for timer in self._ticks:
@@ -344,6 +366,7 @@ class StageNode(LifecycleNode):
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
         """End, from any state."""
+        self.active = False
         self.on_deactivate(state)
         self._drop()
         return _SUCCESS
@@ -354,6 +377,7 @@ class StageNode(LifecycleNode):
 
     def _drop(self) -> None:
         self._guarded(self.release)
+        self._broken = ""
         for outlet in self._outlets:
             self.destroy_lifecycle_publisher(outlet.publisher)
         for inlet in self._inlets:

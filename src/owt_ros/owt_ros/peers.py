@@ -18,7 +18,12 @@ from rclpy.node import Node
 from rclpy.qos import LivelinessPolicy, QoSProfile
 from std_msgs.msg import Empty
 
-__all__ = ["Peers"]
+__all__ = ["Peers", "beacon"]
+
+
+def beacon(name: str) -> str:
+    """Return the topic that says that node `name` is alive."""
+    return f"owt/alive/{name}"
 
 
 class Peers:
@@ -48,11 +53,11 @@ class Peers:
             liveliness=LivelinessPolicy.AUTOMATIC,
             liveliness_lease_duration=Duration(nanoseconds=round(lease_s * 1e9)),
         )
-        self._beacon = node.create_publisher(Empty, f"owt/alive/{role}", profile)
+        self._beacon = node.create_publisher(Empty, beacon(role), profile)
         self._watched = [
             node.create_subscription(
                 Empty,
-                f"owt/alive/{name}",
+                beacon(name),
                 lambda _: None,
                 profile,
                 event_callbacks=SubscriptionEventCallbacks(liveliness=partial(self._on_change, name)),

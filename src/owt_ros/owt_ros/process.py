@@ -18,8 +18,10 @@ from contextlib import contextmanager
 from typing import Any, Protocol
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
+
+from owt_model.errors import OwtError
 
 __all__ = ["PARENT_VARIABLE", "Interrupted", "Stop", "interruptible", "run", "stop"]
 
@@ -88,7 +90,12 @@ def _follow_parent() -> None:
         stop.signal = signal.SIGTERM
 
 
-def run(make_node: Callable[[], Any], arguments: list[str] | None = None) -> int:
+def run(
+    make_node: Callable[[], Any],
+    arguments: list[str] | None = None,
+    *,
+    make_executor: Callable[[], Executor] = SingleThreadedExecutor,
+) -> int:
     """Run one node until SIGINT or SIGTERM; return the exit code.
 
     Parameters
@@ -97,12 +104,15 @@ def run(make_node: Callable[[], Any], arguments: list[str] | None = None) -> int
         Makes the node, a :class:`StoppableNode`, in the default context.
     arguments : list of str, optional
         Command line; that of the process by default.
+    make_executor : callable
+        Makes what calls the node back.
     """
     stop.install()
     _follow_parent()
-    rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    code, node, executor = 0, None, SingleThreadedExecutor()
+    code, node, executor = 0, None, None
     try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+        executor = make_executor()
         node = make_node()
         executor.add_node(node)
         while stop.signal is None:
@@ -110,10 +120,11 @@ def run(make_node: Callable[[], Any], arguments: list[str] | None = None) -> int
     except (Interrupted, ExternalShutdownException):
         pass
     except Exception as error:  # the last line of stderr says why the process ended
-        print(f"error: {type(error).__name__}: {' '.join(str(error).split())}", file=sys.stderr)
+        kind = "" if isinstance(error, OwtError) else f"{type(error).__name__}: "
+        print(f"error: {kind}{' '.join(str(error).split())}", file=sys.stderr)
         code = 1
     finally:
-        if node is not None:
+        if node is not None and executor is not None:
             node.close()
             executor.shutdown(timeout_sec=1.0)
             node.destroy_node()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from owt_model.errors import ComputationError
+from owt_model.errors import StreamError
 from owt_model.structure import Structure
 from owt_ros import decode
 from owt_ros.topics import Topic
@@ -31,12 +31,12 @@ def check_model(message: Any, topic: Topic, structure: Structure, name: str) -> 
 
     Raises
     ------
-    ComputationError
+    StreamError
         If the hashes differ.
     """
     own = structure.content_hash
     if message.model_hash != own:
-        raise ComputationError(
+        raise StreamError(
             f"{topic.label} belongs to model {message.model_hash[:12] or '(none)'}, this node has "
             f"{own[:12]} ({name}): give all nodes the same structure.model"
         )
@@ -47,7 +47,7 @@ def check_numbers(message: Any, topic: Topic) -> None:
 
     Raises
     ------
-    ComputationError
+    StreamError
         Naming the topic, the block and the field.
     """
     if read := decode.BLOCKS.get(topic.message.__name__):
@@ -56,7 +56,7 @@ def check_numbers(message: Any, topic: Topic) -> None:
         values = np.asarray(getattr(message, field))
         if not np.isfinite(values).all():
             place = f" block {int(message.sequence)}" if hasattr(message, "sequence") else ""
-            raise ComputationError(f"{topic.label}{place}: {field} holds NaN or inf")
+            raise StreamError(f"{topic.label}{place}: {field} holds NaN or inf")
 
 
 @cache

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from owt_model.errors import ComputationError
+from owt_model.errors import StreamError
 from owt_model.timing import sample_index, sample_time_ns
 
 __all__ = [
@@ -61,7 +61,7 @@ class Head:
 
 def _checked(head: Head, kind: str) -> Head:
     if not (1e-9 <= head.dt <= 1e6) or head.samples < 1:
-        raise ComputationError(
+        raise StreamError(
             f"{kind} {head.sequence}: dt = {head.dt} s with {head.samples} samples is no block of a stream"
         )
     return head
@@ -72,7 +72,7 @@ def head_of(message: Any) -> Head:
 
     Raises
     ------
-    ComputationError
+    StreamError
         If time step or number of samples cannot be.
     """
     head = Head(
@@ -90,7 +90,7 @@ def peek_head(cdr: bytes, kind: str) -> Head:
 
     Raises
     ------
-    ComputationError
+    StreamError
         If the bytes hold no such head.
     """
     try:
@@ -100,7 +100,7 @@ def peek_head(cdr: bytes, kind: str) -> Head:
         position = 4 + (12 + length + 7) // 8 * 8
         sequence, dt, samples, last = struct.unpack_from(f"{order}QdI?", cdr, position)
     except (struct.error, IndexError):
-        raise ComputationError(f"{kind}: {len(cdr)} bytes are no such message") from None
+        raise StreamError(f"{kind}: {len(cdr)} bytes are no such message") from None
     return _checked(Head(sec * 1_000_000_000 + nanosec, sequence, dt, samples, last), kind)
 
 
@@ -109,13 +109,13 @@ def peek_stamp(cdr: bytes) -> int:
 
     Raises
     ------
-    ComputationError
+    StreamError
         If the bytes are too few.
     """
     try:
         sec, nanosec = struct.unpack_from("<iI" if cdr[1] & 1 else ">iI", cdr, 4)
     except (struct.error, IndexError):
-        raise ComputationError(f"{len(cdr)} bytes are no message with a time") from None
+        raise StreamError(f"{len(cdr)} bytes are no message with a time") from None
     return int(sec) * 1_000_000_000 + int(nanosec)
 
 
@@ -150,7 +150,7 @@ def read_doubles(message: Any, name: str, *shape: int) -> np.ndarray:
     fits = flat.size % known == 0 if -1 in shape and known else flat.size == known
     if not fits:
         wanted = ", ".join("*" if n < 0 else str(n) for n in shape)
-        raise ComputationError(f"{_place(message)}: {name} has {flat.size} values, not those of [{wanted}]")
+        raise StreamError(f"{_place(message)}: {name} has {flat.size} values, not those of [{wanted}]")
     if -1 in shape and known == 0:
         return np.zeros([max(n, 0) for n in shape])
     return flat.reshape(shape)

@@ -8,7 +8,7 @@ from typing import Any
 
 from owt_model.config import CaseConfig
 from owt_model.contracts import LoadBlock, WrenchBlock
-from owt_model.errors import ComputationError
+from owt_model.errors import StreamError
 from owt_model.mesh import build_mesh
 from owt_model.structure import case_structure
 from owt_model.wind_config import WrenchTopic
@@ -61,7 +61,7 @@ class StructureNode(StageNode):
 
     def _watch(self) -> None:
         if self._patience.is_over(waiting=not self._next_is_known()):
-            raise ComputationError(
+            raise StreamError(
                 f"no message on {topics.TOWER_TOP_WRENCH.label} reaches the end of block "
                 f"{self._queue[0].sequence} within {self._patience.limit_s:g} s: publish it, stamped in "
                 "simulated time, or raise wind.topic.timeout_s"
@@ -91,9 +91,7 @@ class StructureNode(StageNode):
     def _on_basis(self, message: Any) -> None:
         self._check_model(message, topics.LOAD_BASIS)
         if self._model is not None:
-            raise ComputationError(
-                "a second load basis arrived: clean up and configure before another sea state"
-            )
+            raise StreamError("a second load basis arrived: clean up and configure before another sea state")
         with interruptible():
             self._model = build_response_model(
                 self._case, self._mesh, decode.to_load_basis(message), self._top

@@ -46,9 +46,10 @@ class WaveNode(StageNode):
         self._next = 0
 
     def announce(self) -> None:
-        """Publish what is latched."""
+        """Publish what is latched, once; after a pause go on with the next block."""
         for outlet, message in self._latched:
             outlet.send(message)
+        self._latched = []
         self._pace.restart()
         if period := self._pace.period_s(self._block_s):
             self.every(period, self.advance)

@@ -30,6 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--record", choices=("default", "all"), default="default",
         help="what the bag keeps: what the rest is computed from (0.2 MB/s), or everything (0.8 MB/s)",
     )  # fmt: skip
+    parser.add_argument(
+        "--namespace", default="", metavar="NAME",
+        help="namespace of all nodes and topics, in ROS domain ROS_DOMAIN_ID (0); without it the graph has a "
+        "domain of its own",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
@@ -57,7 +62,8 @@ def run(options: argparse.Namespace) -> int:
             overwrite=options.bag == DEFAULT_BAG,
             record=options.record,
             progress=bar.callback,
-            domain_id=_domain_for_others(case),
+            domain_id=_domain_for_others(case, options.namespace),
+            namespace=options.namespace,
         )
     finally:
         bar.close()
@@ -80,12 +86,17 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _domain_for_others(case: CaseConfig) -> int | None:
-    """ROS domain where somebody publishes a load at the tower top; None for one of the graph's own."""
-    if case.wind is None or case.wind.topic is None:
+def _domain_for_others(case: CaseConfig, namespace: str) -> int | None:
+    """ROS domain of a graph that others take part in or see; None for one of its own."""
+    listens = case.wind is not None and case.wind.topic is not None
+    if not (listens or namespace):
         return None
+    from owt_bringup.domain import full_namespace
+
     domain = os.environ.get("ROS_DOMAIN_ID", "0")
     if not domain.isdigit():
         raise InputError("ROS_DOMAIN_ID", domain, "must be a whole number", "Leave it out for domain 0.")
-    print(f"note: waiting for /owt/tower_top_wrench in ROS domain {domain}", file=sys.stderr)
+    prefix = full_namespace(namespace).rstrip("/")
+    what = f"waiting for {prefix}/owt/tower_top_wrench" if listens else f"topics are {prefix}/owt/..."
+    print(f"note: {what} in ROS domain {domain}", file=sys.stderr)
     return int(domain)

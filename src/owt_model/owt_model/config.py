@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, model_validator
 
 from owt_model.errors import InputError
+from owt_model.live_config import LiveElevation
 from owt_model.sea_config import (
     Components,
     Coordinate,
@@ -37,6 +38,7 @@ __all__ = [
     "Damping",
     "Fatigue",
     "Focus",
+    "LiveElevation",
     "Measured",
     "Morison",
     "RegularWave",
@@ -175,6 +177,9 @@ class CaseConfig(Frozen):
     spectrum_file: SpectrumFile | None = None
     measured: Measured | None = None
     regular: RegularWave | None = None
+    live: LiveElevation | None = Field(
+        None, description="elevation measured while the graph runs; null for the waves of sea_state"
+    )
     current: Current | None = None
     wave: Wave = Field(default_factory=Wave)
     time: Time = Field(default_factory=Time)
@@ -202,6 +207,8 @@ class CaseConfig(Frozen):
             )
         if self.sea_state is not None:
             self._check_sea_state(self.sea_state)
+        if self.live is not None:
+            self._check_live(self.live)
         for i, (_, _, z) in enumerate(self.points_m or ()):
             if z < -self.water_depth_m:
                 raise InputError(
@@ -233,6 +240,24 @@ class CaseConfig(Frozen):
         sea.component_numbers(duration=self.time.duration_s, gravity=self.gravity_m_s2)
         if sea.focus is not None:
             self._check_focus(sea.focus)
+
+    def _check_live(self, live: LiveElevation) -> None:
+        if self.sea_state is None or self.sea_state.spreading is not None:
+            raise InputError(
+                "live",
+                "given",
+                "needs sea_state, the expected sea, with long crests: one gauge sees no directions",
+                "Give sea_state without spreading.",
+            )
+        live.samples(self.time.dt_s)
+        highest, nyquist = self.sea_state.cutoff_hz(self.gravity_m_s2), 0.45 / self.time.dt_s
+        if highest >= nyquist:
+            raise InputError(
+                "time.dt_s",
+                self.time.dt_s,
+                f"samples the elevation too rarely for the sea's cut-off at {highest:.3g} Hz",
+                f"Use at most {0.45 / highest:.3g} s.",
+            )
 
     def _check_focus(self, focus: Focus) -> None:
         end = (self.time.n - 1) * self.time.dt_s

@@ -70,9 +70,11 @@ class GraphResult:
 
 
 def _stall(case: CaseConfig, limits: Timeouts) -> float:
-    """Longest time in s without progress: blocks may be far apart, a load at the tower top awaited."""
+    """Longest time in s without progress: blocks may be far apart, samples from outside awaited."""
     rate, block = case.stream.rate, case.stream.block * case.time.dt_s
     outside = case.wind.topic.timeout_s if case.wind is not None and case.wind.topic is not None else 0.0
+    if case.live is not None:  # the first loads need a record as long as the lag, in real time or slower
+        outside += case.live.timeout_s + case.live.lag_s + 2.0 * case.live.hop_s + block
     return limits.stall + outside + (block / rate if rate > 0.0 else 0.0)
 
 

@@ -19,12 +19,6 @@ class LiveSamples(Frozen):
     timeout_s: float = Field(
         10.0, gt=0.0, le=3600.0, description="wall time in s that a missing message is waited for"
     )
-    max_gap_s: float | None = Field(
-        None,
-        gt=0.0,
-        le=3600.0,
-        description="longest time in s between two messages that counts as covered; null for any",
-    )
     reorder_s: float = Field(
         0.0,
         ge=0.0,
@@ -53,11 +47,8 @@ class LiveElevation(LiveSamples):
     missing: Literal["error", "hold", "interpolate"] = Field(
         "error", description="what a missing sample becomes: an error, the value before, or a line across"
     )
-    max_gap_s: float | None = Field(
-        1.0,
-        gt=0.0,
-        le=3600.0,
-        description="longest time in s between two messages that counts as covered; null for any",
+    max_gap_s: float = Field(
+        1.0, gt=0.0, le=3600.0, description="longest time in s between two messages that counts as covered"
     )
 
     def samples(self, dt: float) -> tuple[int, int, int, int]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from dataclasses import dataclass
+from typing import SupportsInt
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -212,5 +213,5 @@ class SampleBuffer:
         return found
 
 
-def _seconds(time_ns: float) -> str:
+def _seconds(time_ns: SupportsInt) -> str:
     return f"{int(time_ns) * 1e-9:.9g} s"

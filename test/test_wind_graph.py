@@ -253,8 +253,8 @@ def test_wrenches_that_cannot_be_are_errors(
     kinds = NODES if "first" in message else [StructureNode]  # the others are found without loads
     with LocalGraph(domain, case_of({"topic": {}}), bag, kinds) as graph:
         rotor = started(graph)
-        for stamp in stamps:
-            rotor.send(stamp, np.full(6, value if stamp else 0.0))
+        for i, stamp in enumerate(stamps):
+            rotor.send(stamp, np.full(6, i * value if stamp else 0.0))
         assert message in graph.error_of(STRUCTURE)
         graph.spin_until(lambda: any(s.level == b"\x02" for d in graph.diagnostics for s in d.status))
 

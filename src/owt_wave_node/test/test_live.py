@@ -71,13 +71,13 @@ def live_series(case, mesh, elevation):
     return series(live_stage_from_record(case, mesh, elevation[:record].copy()))
 
 
-@pytest.mark.parametrize(("order", "limit"), [(1, 0.014), (2, 0.022)])
+@pytest.mark.parametrize(("order", "limit"), [(1, 0.012), (2, 0.018)])
 @pytest.mark.parametrize("place", [(0.0, 0.0), (26.0, 15.0)])
 def test_loads_are_those_of_the_sea(truth, oc4, order, limit, place):
     """The gauge at the structure or 30 m before it.
 
     Over 270 s the error is 0.6 % (first order) and 1.0 to 1.2 % (second), see docs/live.md; over the 50 s
-    here 0.9 to 1.1 % and 1.4 to 1.7 %.
+    here 0.7 to 1.0 % and 1.2 to 1.6 %.
     """
     base, elevation = truth(order, place)
     found, surface = live_series(case_of(order, place=place), oc4, elevation[:, 0])
@@ -87,7 +87,7 @@ def test_loads_are_those_of_the_sea(truth, oc4, order, limit, place):
     assert np.abs(np.diff(found)).max() < 1.1 * np.abs(np.diff(base)).max(), "no step from window to window"
     for wrong in ({"direction_deg": 180.0},) if order == 2 else ({"lag_s": 0.0},):
         away, _ = live_series(case_of(order, place=place, live=wrong), oc4, elevation[:, 0])
-        assert error(away, base[:N]) > 3.0 * limit, wrong
+        assert error(away, base[:N]) > 2.0 * limit, wrong
 
 
 def test_second_order_is_removed_first(truth, oc4):

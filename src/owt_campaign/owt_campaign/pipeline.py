@@ -195,6 +195,7 @@ def run_case(
     keep_series: bool = False,
     versions: Mapping[str, str] | None = None,
     progress: Callable[[float, float], None] | None = None,
+    measured: Float[np.ndarray, " time"] | None = None,
 ) -> CaseResult:
     """Run one case from the sea to the damage.
 
@@ -208,6 +209,8 @@ def run_case(
         Provenance for the report.
     progress : callable, optional
         Called with the simulated time reached and the duration, in s.
+    measured : float array [time], optional
+        See :func:`prepare_case`.
 
     Raises
     ------
@@ -216,7 +219,7 @@ def run_case(
     ComputationError
         If a result cannot be trusted.
     """
-    run = prepare_case(case)
+    run = prepare_case(case, measured=measured)
     collector = ReportCollector(run.response.description.tower_top_coordinate)
     kept: list[CaseBlocks] = []
     state = fatigue_stage.initial_state(run.fatigue)

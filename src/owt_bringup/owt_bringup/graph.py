@@ -71,7 +71,7 @@ class GraphResult:
 
 
 def _stall(case: CaseConfig, limits: Timeouts) -> float:
-    """Longest time in s without progress: blocks may be far apart, a load at the tower top awaited."""
+    """Longest time in s without progress: blocks may be far apart, samples from outside awaited."""
     rate, block = case.stream.rate, case.stream.block * case.time.dt_s
     return limits.stall + case.outside_wait_s + (block / rate if rate > 0.0 else 0.0)
 

@@ -86,6 +86,8 @@ def ignored_options(case: CaseConfig, command: str, mesh: Mesh | None = None) ->
         lines.append("structure.tolerance without effect: it is that of the reduction auto")
     if structure.static_state is not None and not structure.static_state.p_delta:
         lines.append("structure.static_state without effect: p_delta is false")
+    if case.live is not None and command != "simulate":
+        lines.append(f"live without effect on {command}: the waves are those of sea_state, the expected sea")
     if command == "loads" and case.wind is not None:
         lines.append("wind without effect on loads: it acts at the tower top, in simulate and demo")
     if command == "simulate" and morison.buoyancy:

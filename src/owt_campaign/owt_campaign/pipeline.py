@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 
 import numpy as np
+from jaxtyping import Float
 
 from owt_model.config import CaseConfig
 from owt_model.contracts import (
@@ -21,6 +22,7 @@ from owt_model.contracts import (
     WrenchBlock,
     sea_facts,
 )
+from owt_model.errors import InputError
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import case_structure
 from owt_postproc.core import stage as fatigue_stage
@@ -28,6 +30,7 @@ from owt_postproc.report_data import ReportCollector, ReportData, mesh_geometry
 from owt_structure_node.core import stage as response_stage
 from owt_structure_node.core.tower_top import TowerTopLoad
 from owt_structure_node.wind_source import tower_top_load
+from owt_wave_node.core.live import LiveStage, live_stage_from_record
 from owt_wave_node.core.stage import WaveStage, build_wave_stage
 from owt_wave_node.sea_source import resolve_case
 
@@ -80,7 +83,7 @@ class CaseRun:
 
     case: CaseConfig
     mesh: Mesh
-    wave: WaveStage
+    wave: WaveStage | LiveStage
     load_basis: LoadBasis
     response: response_stage.ResponseModel
     fatigue: fatigue_stage.FatigueModel
@@ -110,8 +113,15 @@ class CaseResult:
     stage_seconds: dict[str, float]
 
 
-def prepare_case(case: CaseConfig) -> CaseRun:
+def prepare_case(case: CaseConfig, *, measured: Float[np.ndarray, " time"] | None = None) -> CaseRun:
     """Build every stage of `case`; a sea in a file becomes one of components in the case that is returned.
+
+    Parameters
+    ----------
+    case : CaseConfig
+        The case.
+    measured : float array [time], optional
+        Elevation in m of a case with a live elevation, as a graph has used it.
 
     Raises
     ------
@@ -125,13 +135,29 @@ def prepare_case(case: CaseConfig) -> CaseRun:
     clock.lap("model")
     tower_top = tower_top_load(case, mesh)
     clock.lap("tower-top load")
-    wave = build_wave_stage(case, mesh)
+    wave = _wave_stage(case, mesh, measured)
     clock.lap("waves and loads")
     basis = wave.load_basis(response_stage.n_mta(case.structure.reduction))
     clock.lap("load basis")
     response = response_stage.build_response_model(case, mesh, basis, tower_top)
     clock.lap("reduction")
     return CaseRun(case, mesh, wave, basis, response, fatigue, clock, tower_top)
+
+
+def _wave_stage(
+    case: CaseConfig, mesh: Mesh, measured: Float[np.ndarray, " time"] | None
+) -> WaveStage | LiveStage:
+    """The wave stage of a case, of a record where the elevation was measured."""
+    if case.live is None:
+        return build_wave_stage(case, mesh)
+    if measured is None:
+        raise InputError(
+            "live",
+            "given",
+            "is read by the running graph only",
+            "Use ./owt demo --case or the nodes, or leave it out for the waves of sea_state.",
+        )
+    return live_stage_from_record(case, mesh, measured)
 
 
 def stream_case(
@@ -169,6 +195,7 @@ def run_case(
     keep_series: bool = False,
     versions: Mapping[str, str] | None = None,
     progress: Callable[[float, float], None] | None = None,
+    measured: Float[np.ndarray, " time"] | None = None,
 ) -> CaseResult:
     """Run one case from the sea to the damage.
 
@@ -182,6 +209,8 @@ def run_case(
         Provenance for the report.
     progress : callable, optional
         Called with the simulated time reached and the duration, in s.
+    measured : float array [time], optional
+        See :func:`prepare_case`.
 
     Raises
     ------
@@ -190,7 +219,7 @@ def run_case(
     ComputationError
         If a result cannot be trusted.
     """
-    run = prepare_case(case)
+    run = prepare_case(case, measured=measured)
     collector = ReportCollector(run.response.description.tower_top_coordinate)
     kept: list[CaseBlocks] = []
     state = fatigue_stage.initial_state(run.fatigue)

@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, model_validator
 
 from owt_model.errors import InputError
+from owt_model.live_config import LiveElevation
 from owt_model.sea_config import (
     Components,
     Coordinate,
@@ -37,6 +38,7 @@ __all__ = [
     "Damping",
     "Fatigue",
     "Focus",
+    "LiveElevation",
     "Measured",
     "Morison",
     "RegularWave",
@@ -182,6 +184,9 @@ class CaseConfig(Frozen):
     spectrum_file: SpectrumFile | None = None
     measured: Measured | None = None
     regular: RegularWave | None = None
+    live: LiveElevation | None = Field(
+        None, description="elevation measured while the graph runs; null for the waves of sea_state"
+    )
     current: Current | None = None
     wave: Wave = Field(default_factory=Wave)
     time: Time = Field(default_factory=Time)
@@ -209,6 +214,8 @@ class CaseConfig(Frozen):
             )
         if self.sea_state is not None:
             self._check_sea_state(self.sea_state)
+        if self.live is not None:
+            self._check_live(self.live)
         for i, (_, _, z) in enumerate(self.points_m or ()):
             if z < -self.water_depth_m:
                 raise InputError(
@@ -241,6 +248,24 @@ class CaseConfig(Frozen):
         if sea.focus is not None:
             self._check_focus(sea.focus)
 
+    def _check_live(self, live: LiveElevation) -> None:
+        if self.sea_state is None or self.sea_state.spreading is not None:
+            raise InputError(
+                "live",
+                "given",
+                "needs sea_state, the expected sea, with long crests: one gauge sees no directions",
+                "Give sea_state without spreading.",
+            )
+        live.samples(self.time.dt_s)
+        highest, nyquist = self.sea_state.cutoff_hz(self.gravity_m_s2), 0.45 / self.time.dt_s
+        if highest >= nyquist:
+            raise InputError(
+                "time.dt_s",
+                self.time.dt_s,
+                f"samples the elevation too rarely for the sea's cut-off at {highest:.3g} Hz",
+                f"Use at most {0.45 / highest:.3g} s.",
+            )
+
     def _check_focus(self, focus: Focus) -> None:
         end = (self.time.n - 1) * self.time.dt_s
         if focus.time_s > end * (1.0 + 1e-12):
@@ -263,7 +288,11 @@ class CaseConfig(Frozen):
     def outside_wait_s(self) -> float:
         """Longest wall time in s that a run may wait for messages from outside."""
         topic = None if self.wind is None else self.wind.topic
-        return 0.0 if topic is None else topic.timeout_s
+        wait = 0.0 if topic is None else topic.timeout_s
+        if self.live is not None:  # the first loads need a record as long as the lag, in real time or slower
+            block = self.stream.block * self.time.dt_s
+            wait += self.live.timeout_s + self.live.lag_s + 2.0 * self.live.hop_s + block
+        return wait
 
     @property
     def substeps(self) -> int:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from owt_model.timing import sample_time_ns
 
@@ -22,6 +22,7 @@ __all__ = [
     "FatigueBlock",
     "LoadBasis",
     "LoadBlock",
+    "MeasuredBlock",
     "ModalBlock",
     "ReducedDescription",
     "SeaState",
@@ -132,9 +133,21 @@ class LoadBlock(Block):
 
 @dataclass(frozen=True)
 class WrenchBlock(Block):
-    """Force in N and moment in N m on the tower-top node, global axes, at the load step."""
+    """Force in N and moment in N m on the tower-top node, global axes, at the load step.
+
+    ``filled`` marks the samples that no message gave; it is empty where the load does not come by messages.
+    """
 
     wrench: Float[np.ndarray, "sample 6"]
+    filled: Bool[np.ndarray, " filled"] = field(default_factory=lambda: np.zeros(0, dtype=bool))
+
+
+@dataclass(frozen=True)
+class MeasuredBlock(Block):
+    """Measured elevation in m at the load step; ``filled`` marks the samples that no message gave."""
+
+    elevation: Float[np.ndarray, " sample"]
+    filled: Bool[np.ndarray, " sample"]
 
 
 @dataclass(frozen=True)

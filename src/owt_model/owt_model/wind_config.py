@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from owt_model.errors import InputError
+from owt_model.live_config import LiveSamples
 from owt_model.sea_config import Direction
 from owt_model.validation import Frozen
 
@@ -29,14 +30,20 @@ class WrenchSeries(Frozen):
     )
 
 
-class WrenchTopic(Frozen):
-    """A wrench that somebody publishes while the graph runs, stamped in simulated time."""
+class WrenchTopic(LiveSamples):
+    """A wrench that somebody publishes while the graph runs."""
 
     interpolation: Literal["linear", "hold"] = Field(
         "linear", description="value between two messages: linear, or that of the earlier one"
     )
-    timeout_s: float = Field(
-        10.0, gt=0.0, le=3600.0, description="wall time in s that a missing message is waited for"
+    max_gap_s: float | None = Field(
+        None,
+        gt=0.0,
+        le=3600.0,
+        description="longest time in s between two messages that counts as covered; null for any",
+    )
+    missing: Literal["error", "hold", "zero"] = Field(
+        "error", description="what a missing sample becomes: an error, the value before, or no load"
     )
 
 

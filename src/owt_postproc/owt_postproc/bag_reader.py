@@ -199,6 +199,7 @@ _DECODE: dict[str, Callable[[Any], Block]] = {
     f"{PREFIX}MemberStress": decode.to_stress,
     f"{PREFIX}Energy": decode.to_energy,
     f"{PREFIX}TowerTopLoad": decode.to_tower_top_load,
+    f"{PREFIX}MeasuredElevation": decode.to_measured,
 }
 
 

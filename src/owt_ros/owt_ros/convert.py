@@ -16,6 +16,7 @@ from owt_model.contracts import (
     FatigueBlock,
     LoadBasis,
     LoadBlock,
+    MeasuredBlock,
     ModalBlock,
     ReducedDescription,
     SeaState,
@@ -30,6 +31,7 @@ __all__ = [
     "energy_message",
     "fatigue_message",
     "load_basis_message",
+    "measured_message",
     "modal_message",
     "model_message",
     "nodal_loads_message",
@@ -162,8 +164,17 @@ def nodal_loads_message(block: LoadBlock) -> owt.NodalLoads:
 
 def tower_top_load_message(block: WrenchBlock) -> owt.TowerTopLoad:
     """Write a block of tower-top loads."""
-    message = owt.TowerTopLoad(wrench=doubles(block.wrench))
+    message = owt.TowerTopLoad(wrench=doubles(block.wrench), filled=flat_array("B", np.uint8, block.filled))
     _fill_head(message, block, len(block.wrench))
+    return message
+
+
+def measured_message(block: MeasuredBlock) -> owt.MeasuredElevation:
+    """Write a block of the measured elevation as it is used."""
+    message = owt.MeasuredElevation(
+        elevation=doubles(block.elevation), filled=flat_array("B", np.uint8, block.filled)
+    )
+    _fill_head(message, block, len(block.elevation))
     return message
 
 

@@ -20,13 +20,14 @@ from owt_model.contracts import (
     FatigueBlock,
     LoadBasis,
     LoadBlock,
+    MeasuredBlock,
     ModalBlock,
     ReducedDescription,
     StressBlock,
     WrenchBlock,
 )
 from owt_model.timing import sample_index
-from owt_ros.wire import head_of, indices, read_doubles, time_ns
+from owt_ros.wire import head_of, indices, read_doubles, read_flags, time_ns
 
 __all__ = [
     "BLOCKS",
@@ -34,8 +35,10 @@ __all__ = [
     "to_energy",
     "to_fatigue",
     "to_load_basis",
+    "to_measured",
     "to_modal",
     "to_nodal_loads",
+    "to_point",
     "to_reduced_model",
     "to_stress",
     "to_tower_top_load",
@@ -121,7 +124,29 @@ def to_nodal_loads(message: Any) -> LoadBlock:
 
 def to_tower_top_load(message: Any) -> WrenchBlock:
     """Read a block of tower-top loads."""
-    return WrenchBlock(**_block(message), wrench=read_doubles(message, "wrench", int(message.samples), 6))
+    samples = int(message.samples)
+    filled = getattr(message, "filled", ())  # older recordings have none
+    return WrenchBlock(
+        **_block(message),
+        wrench=read_doubles(message, "wrench", samples, 6),
+        filled=read_flags(message, "filled", samples) if len(filled) else np.zeros(0, dtype=bool),
+    )
+
+
+def to_measured(message: Any) -> MeasuredBlock:
+    """Read a block of the measured elevation as it was used."""
+    samples = int(message.samples)
+    return MeasuredBlock(
+        **_block(message),
+        elevation=read_doubles(message, "elevation", samples),
+        filled=read_flags(message, "filled", samples),
+    )
+
+
+def to_point(message: Any) -> tuple[int, Float[np.ndarray, " 3"]]:
+    """Read a stamped point: simulated time in ns, and x, y, z in m."""
+    point = message.point
+    return time_ns(message.header.stamp), np.array([point.x, point.y, point.z], dtype=np.float64)
 
 
 def to_wrench(message: Any) -> tuple[int, Float[np.ndarray, " 6"]]:
@@ -198,4 +223,5 @@ BLOCKS: dict[str, Callable[[Any], Block]] = {
     "MemberStress": to_stress,
     "Energy": to_energy,
     "TowerTopLoad": to_tower_top_load,
+    "MeasuredElevation": to_measured,
 }

@@ -11,12 +11,13 @@ from enum import Enum
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import PointStamped, WrenchStamped
 from owt_msgs.msg import (
     Credit,
     Energy,
     FatigueState,
     LoadBasis,
+    MeasuredElevation,
     MemberStress,
     ModalState,
     ModelDescription,
@@ -38,6 +39,8 @@ __all__ = [
     "ENERGY",
     "FATIGUE",
     "LOAD_BASIS",
+    "MEASURED_ELEVATION",
+    "MEASURED_ELEVATION_USED",
     "MEMBER_STRESS",
     "MODAL_STATE",
     "MODEL",
@@ -107,6 +110,11 @@ ENERGY = Topic("owt/energy", Energy, Kind.DATA, STRUCTURE, (POSTPROC,))
 #: Only of a case with a load at the tower top; the wrench comes from outside, where the case asks for it.
 TOWER_TOP_LOAD = Topic("owt/tower_top_load", TowerTopLoad, Kind.DATA, STRUCTURE, (POSTPROC,))
 TOWER_TOP_WRENCH = Topic("owt/tower_top_wrench", WrenchStamped, Kind.INPUT)
+#: Only of a case with a live elevation: what a gauge outside sends, and the record that is made of it.
+MEASURED_ELEVATION = Topic("owt/measured_elevation", PointStamped, Kind.INPUT)
+MEASURED_ELEVATION_USED = Topic(
+    "owt/measured_elevation_used", MeasuredElevation, Kind.DATA, WAVE, (POSTPROC,)
+)
 #: Nobody needs to acknowledge it: its producer records it itself.
 FATIGUE = Topic("owt/fatigue", FatigueState, Kind.DATA, POSTPROC)
 CLOCK = Topic("clock", Clock, Kind.EVENT, WAVE, (POSTPROC,))
@@ -134,7 +142,9 @@ RECORDED = (
 
 def recorded(case: CaseConfig) -> tuple[Topic, ...]:
     """Topics that the bag of a case holds, in the order of the bag."""
-    if case.wind is None:
-        return RECORDED
-    place = RECORDED.index(MODAL_STATE)
-    return (*RECORDED[:place], TOWER_TOP_LOAD, *RECORDED[place:])
+    found = list(RECORDED)
+    if case.live is not None:
+        found.insert(found.index(CLOCK), MEASURED_ELEVATION_USED)
+    if case.wind is not None:
+        found.insert(found.index(MODAL_STATE), TOWER_TOP_LOAD)
+    return tuple(found)

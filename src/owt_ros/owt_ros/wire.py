@@ -25,6 +25,7 @@ __all__ = [
     "peek_head",
     "peek_stamp",
     "read_doubles",
+    "read_flags",
     "time_ns",
     "uint32s",
 ]
@@ -154,6 +155,14 @@ def read_doubles(message: Any, name: str, *shape: int) -> np.ndarray:
     if -1 in shape and known == 0:
         return np.zeros([max(n, 0) for n in shape])
     return flat.reshape(shape)
+
+
+def read_flags(message: Any, name: str, size: int) -> np.ndarray:
+    """Return ``uint8[]`` field `name` as `size` booleans; of an empty field all are false."""
+    flags = np.array(getattr(message, name), dtype=np.uint8) != 0
+    if flags.size not in (0, size):
+        raise StreamError(f"{_place(message)}: {name} has {flags.size} values, not those of [{size}]")
+    return flags if flags.size else np.zeros(size, dtype=bool)
 
 
 def _place(message: Any) -> str:

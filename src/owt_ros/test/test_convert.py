@@ -1,10 +1,12 @@
 """Messages and contracts: every field there and back, exactly, also through CDR."""
 
 import dataclasses
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from geometry_msgs.msg import Point, PointStamped
 from rclpy.serialization import deserialize_message, serialize_message
 
 from owt_model.contracts import (
@@ -14,6 +16,7 @@ from owt_model.contracts import (
     FatigueBlock,
     LoadBasis,
     LoadBlock,
+    MeasuredBlock,
     ModalBlock,
     ReducedDescription,
     SeaState,
@@ -78,6 +81,11 @@ BLOCKS = {
         substructure_name=("jacket", "tower"),
     ),
 }
+FLAGS = np.array([False, True, False, True, True])
+BLOCKS |= {
+    "tower_top_load": WrenchBlock(**HEAD, wrench=_r(5, 6), filled=FLAGS),
+    "measured": MeasuredBlock(**HEAD, elevation=_r(5), filled=FLAGS),
+}
 FATIGUE = FatigueBlock(
     **HEAD, samples_counted=351, sn_curve="T", cycles=_r(4), damage=_r(4), total_stress=_r(4), max_range=_r(4)
 )
@@ -103,6 +111,28 @@ def test_there_and_back(name: str) -> None:
     read = getattr(decode, f"to_{name}")
     _assert_same(BLOCKS[name], read(message))
     _assert_same(BLOCKS[name], read(deserialize_message(serialize_message(message), type(message))))
+
+
+def test_marks_of_what_was_made_up() -> None:
+    """None in a recording without the field, none in an empty field; another number of them is refused."""
+    message = _message("tower_top_load")
+    old = SimpleNamespace(
+        **{name: getattr(message, name) for name in ("header", "sequence", "dt", "samples")}
+    )
+    old.last, old.wrench = message.last, message.wrench
+    assert decode.to_tower_top_load(old).filled.size == 0
+    measured = _message("measured")
+    measured.filled = []
+    assert not decode.to_measured(measured).filled.any()
+    for name, read in (("tower_top_load", decode.to_tower_top_load), ("measured", decode.to_measured)):
+        broken = _message(name)
+        broken.filled = broken.filled[:-1]
+        with pytest.raises(ComputationError, match=r"filled has 4 values, not those of \[5\]"):
+            read(broken)
+    stamped = PointStamped(header=message.header, point=Point(x=1.0, y=2.0, z=-3.0))
+    time_ns, point = decode.to_point(stamped)
+    assert time_ns == BLOCKS["tower_top_load"].time_ns
+    np.testing.assert_array_equal(point, [1.0, 2.0, -3.0])
 
 
 def test_fatigue_there_and_back() -> None:

@@ -56,6 +56,7 @@ def test_every_field_is_a_parameter_with_a_description() -> None:
         "spectrum_file",
         "measured",
         "regular",
+        "live",
         "current",
         "sea_state.focus",
         "wind",

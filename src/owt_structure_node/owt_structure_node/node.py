@@ -11,16 +11,14 @@ from owt_model.contracts import LoadBlock, WrenchBlock
 from owt_model.errors import StreamError
 from owt_model.mesh import build_mesh
 from owt_model.structure import case_structure
-from owt_model.wind_config import WrenchTopic
 from owt_ros import convert, decode, topics
 from owt_ros.lifecycle import StageNode
-from owt_ros.pace import Patience
+from owt_ros.live import LiveInput
 from owt_ros.process import interruptible, run
 from owt_ros.topics import Topic
 from owt_ros.vetting import check_model
 from owt_structure_node.core.stage import ResponseModel, build_response_model, initial_state, step
-from owt_structure_node.core.tower_top import WrenchSamples
-from owt_structure_node.wind_source import tower_top_load
+from owt_structure_node.wind_source import tower_top_load, wrench_samples
 
 __all__ = ["StructureNode", "main"]
 
@@ -39,7 +37,7 @@ class StructureNode(StageNode):
         self._reduced = self.outlet(topics.REDUCED_MODEL)
         self._top = tower_top_load(case, self._mesh, live=True)
         self._top_out = None if self._top is None else self.outlet(topics.TOWER_TOP_LOAD)
-        self._wrench = None if case.wind is None or case.wind.topic is None else self._listen(case.wind.topic)
+        self._live = self._listen(case)
         self._modal = self.outlet(topics.MODAL_STATE)
         self._stress = self.outlet(topics.MEMBER_STRESS)
         self._energy = self.outlet(topics.ENERGY)
@@ -47,40 +45,39 @@ class StructureNode(StageNode):
         self.inlet(topics.LOAD_BASIS, self._on_basis)
         self._loads = self.inlet(topics.NODAL_LOADS, self._on_loads)
 
-    def _listen(self, topic: WrenchTopic) -> WrenchSamples:
-        """Take the load at the tower top from outside."""
-        self.inlet(topics.TOWER_TOP_WRENCH, self._on_wrench)
-        self._patience = Patience(topic.timeout_s)
-        return WrenchSamples(hold=topic.interpolation == "hold")
+    def _listen(self, case: CaseConfig) -> LiveInput | None:
+        """Take the load at the tower top from outside where the case says so."""
+        if case.wind is None or case.wind.topic is None:
+            return None
+        self._wrench = wrench_samples(case.wind.topic)
+        return LiveInput(
+            self,
+            topics.TOWER_TOP_WRENCH,
+            key="wind.topic",
+            options=case.wind.topic,
+            rate=case.stream.rate,
+            samples=self._wrench.buffer,
+            receive=lambda message: self._wrench.add(*decode.to_wrench(message)),
+            waiting=lambda: f"block {self._queue[0].sequence}" if self._queue else "",
+        )
 
     def announce(self) -> None:
         """Watch over what comes from outside while the node is active."""
-        if self._wrench is not None:
-            self._patience.restart()
-            self.every(0.25 * self._patience.limit_s, self._watch)
-
-    def _watch(self) -> None:
-        if self._patience.is_over(waiting=not self._next_is_known()):
-            raise StreamError(
-                f"no message on {topics.TOWER_TOP_WRENCH.label} reaches the end of block "
-                f"{self._queue[0].sequence} within {self._patience.limit_s:g} s: publish it, stamped in "
-                "simulated time, or raise wind.topic.timeout_s"
-            )
-
-    def _next_is_known(self) -> bool:
-        """Tell whether the load at the tower top reaches as far as the next block of wave loads."""
-        return self._wrench is None or not self._queue or self._wrench.reach(self._queue[0])
+        if self._live is not None:
+            self._live.start()
 
     def _tower_top(self, load: LoadBlock) -> WrenchBlock | None:
-        if self._wrench is not None:
-            return self._wrench.block(load)
-        return None if self._top is None else self._top.block(load)
+        """Load at the tower top that goes with a block of wave loads; made up where it has to be."""
+        if self._live is None:
+            return None if self._top is None else self._top.block(load)
+        forced = not self._wrench.reach(load)
+        wrench = self._wrench.block(load, forced=forced)
+        self._live.taken(forced=forced)
+        return wrench
 
-    def _on_wrench(self, message: Any) -> None:
-        assert self._wrench is not None
-        self._wrench.add(*decode.to_wrench(message))
-        self._patience.restart()
-        self.advance()
+    def _is_ready(self, load: LoadBlock) -> bool:
+        """Tell whether the load at the tower top reaches as far as a block of wave loads, or need not."""
+        return self._live is None or self._live.may_take(known=self._wrench.reach(load), time_ns=load.time_ns)
 
     def _check_model(self, message: Any, topic: Topic) -> None:
         check_model(message, topic, self._mesh.structure, self._case.structure.model)
@@ -112,11 +109,12 @@ class StructureNode(StageNode):
         outlets = [self._modal, self._stress, self._energy]
         outlets += [] if self._top_out is None else [self._top_out]
         while self._model is not None and self._queue and all(outlet.is_open for outlet in outlets):
-            if not self._next_is_known():
+            if not self._is_ready(self._queue[0]):
                 return
             load = self._queue.popleft()
+            self.time_ns = load.time_ns
+            wrench = self._tower_top(load)
             with interruptible():
-                wrench = self._tower_top(load)
                 self._state, response = step(self._model, self._state, load, wrench)
             if self._top_out is not None and wrench is not None:
                 self._top_out.send(convert.tower_top_load_message(wrench))

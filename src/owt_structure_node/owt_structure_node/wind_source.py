@@ -11,11 +11,12 @@ from jaxtyping import Float
 
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError
+from owt_model.live_samples import LiveRules
 from owt_model.mesh import Mesh
-from owt_model.wind_config import WrenchSeries
-from owt_structure_node.core.tower_top import TowerTopLoad, thrust_load, turned
+from owt_model.wind_config import WrenchSeries, WrenchTopic
+from owt_structure_node.core.tower_top import TowerTopLoad, WrenchSamples, thrust_load, turned
 
-__all__ = ["COLUMNS", "read_wrench", "tower_top_load"]
+__all__ = ["COLUMNS", "read_wrench", "tower_top_load", "wrench_samples"]
 
 #: Columns of a wrench file beside the time.
 COLUMNS = ("fx_n", "fy_n", "fz_n", "mx_nm", "my_nm", "mz_nm")
@@ -59,6 +60,18 @@ def tower_top_load(case: CaseConfig, mesh: Mesh, *, live: bool = False) -> Tower
         )
     top = float(mesh.node_position[mesh.tower_top, 2])
     return thrust_load(wind.thrust, tower_top_z=top, dt=case.time.dt_s, n=case.time.n)
+
+
+def wrench_samples(topic: WrenchTopic) -> WrenchSamples:
+    """Where the messages of a topic go, by the rules of the case."""
+    return WrenchSamples(
+        LiveRules.of(
+            step=topic.interpolation == "hold",
+            missing=topic.missing,
+            max_gap_s=topic.max_gap_s,
+            reorder_s=topic.reorder_s,
+        )
+    )
 
 
 def read_wrench(path: Path) -> tuple[Float[np.ndarray, " row"], Float[np.ndarray, "row 6"]]:

@@ -88,8 +88,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _domain_for_others(case: CaseConfig, namespace: str) -> int | None:
     """ROS domain of a graph that others take part in or see; None for one of its own."""
-    listens = case.wind is not None and case.wind.topic is not None
-    if not (listens or namespace):
+    awaited = [] if case.live is None else ["owt/measured_elevation"]
+    if case.wind is not None and case.wind.topic is not None:
+        awaited.append("owt/tower_top_wrench")
+    if not (awaited or namespace):
         return None
     from owt_bringup.domain import full_namespace
 
@@ -97,6 +99,7 @@ def _domain_for_others(case: CaseConfig, namespace: str) -> int | None:
     if not domain.isdigit():
         raise InputError("ROS_DOMAIN_ID", domain, "must be a whole number", "Leave it out for domain 0.")
     prefix = full_namespace(namespace).rstrip("/")
-    what = f"waiting for {prefix}/owt/tower_top_wrench" if listens else f"topics are {prefix}/owt/..."
+    listened = " and ".join(f"{prefix}/{topic}" for topic in awaited)
+    what = f"waiting for {listened}" if awaited else f"topics are {prefix}/owt/..."
     print(f"note: {what} in ROS domain {domain}", file=sys.stderr)
     return int(domain)

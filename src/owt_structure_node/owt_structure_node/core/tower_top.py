@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections import deque
-from dataclasses import dataclass, field
-from itertools import islice
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from owt_model.contracts import LoadBlock, WrenchBlock
 from owt_model.errors import ComputationError, InputError
+from owt_model.live_samples import LiveRules, SampleBuffer
 from owt_model.timing import sample_time_ns
 from owt_model.wind_config import ThrustConfig
 from owt_structure_node.core.rotor_thrust import BLADES, Rotor, rotor_thrust, tower_top_wrench
@@ -145,68 +144,42 @@ class WrenchSamples:
 
     Parameters
     ----------
-    hold : bool
-        Take the value of the last message before a time; else interpolate linearly.
+    rules : LiveRules
+        What is done between messages, and without them.
     """
 
-    def __init__(self, *, hold: bool) -> None:
-        self._hold = hold
-        self._time: deque[int] = deque()
-        self._wrench: deque[Float[np.ndarray, " 6"]] = deque()
+    def __init__(self, rules: LiveRules) -> None:
+        self.buffer = SampleBuffer("tower-top wrench", 6, rules)
 
     def add(self, time_ns: int, wrench: Float[np.ndarray, " 6"]) -> None:
-        """Take the next message, stamped in simulated time.
+        """Take a message, stamped in simulated time, in any order.
 
         Raises
         ------
         ComputationError
-            If it is not later than the one before, or not finite.
+            See :meth:`~owt_model.live_samples.SampleBuffer.add`.
         """
-        if not np.isfinite(wrench).all():
-            raise ComputationError(f"tower-top wrench at {_seconds(time_ns)} holds NaN or inf")
-        if self._time and time_ns <= self._time[-1]:
-            raise ComputationError(
-                f"tower-top wrench at {_seconds(time_ns)} comes after that of {_seconds(self._time[-1])}: "
-                "stamps must increase"
-            )
-        self._time.append(time_ns)
-        self._wrench.append(wrench)
+        self.buffer.add(time_ns, wrench)
 
     def reach(self, load: LoadBlock) -> bool:
         """Tell whether the wrench is known up to the last sample of a block."""
-        last = sample_time_ns(load.start + len(load.nodal) - 1, load.dt)
-        return bool(self._time) and self._time[-1] >= last
+        return self.buffer.reach(sample_time_ns(load.start + len(load.nodal) - 1, load.dt))
 
-    def block(self, load: LoadBlock) -> WrenchBlock:
-        """Samples that go with a block of wave loads that is reached; messages before it are forgotten.
+    def block(self, load: LoadBlock, *, forced: bool = False) -> WrenchBlock:
+        """Samples that go with a block of wave loads; messages before it are forgotten.
+
+        Parameters
+        ----------
+        load : LoadBlock
+            The block.
+        forced : bool
+            Go on although it is not reached; what has not come is missing.
 
         Raises
         ------
         ComputationError
-            If the first message is later than the first sample, or the block is not reached.
+            If a sample is missing and that is an error, or the block is not reached.
         """
-        time_ns = [sample_time_ns(load.start + i, load.dt) for i in range(len(load.nodal))]
-        if not self.reach(load) or self._time[0] > time_ns[0]:
-            known = f"{_seconds(self._time[0])} to {_seconds(self._time[-1])}" if self._time else "nothing"
-            raise ComputationError(
-                f"tower-top wrench: asked for {_seconds(time_ns[0])} to {_seconds(time_ns[-1])}, known is "
-                f"{known}; its first message must be stamped 0"
-            )
-        needed = 1 + next(i for i, time in enumerate(self._time) if time >= time_ns[-1])
-        known_time = np.fromiter(islice(self._time, needed), np.int64, needed)
-        value, times = np.array(list(islice(self._wrench, needed))), np.array(time_ns, dtype=np.int64)
-        before = np.searchsorted(known_time, times, side="right") - 1
-        found = value[before]
-        if not self._hold:
-            after = np.minimum(before + 1, len(value) - 1)
-            span = np.maximum(known_time[after] - known_time[before], 1)
-            part = (times - known_time[before]) / span
-            found = found + part[:, None] * (value[after] - found)
-        for _ in range(int(before[-1])):  # what comes next lies after the last time
-            self._time.popleft()
-            self._wrench.popleft()
-        return beside(load, found)
-
-
-def _seconds(time_ns: int) -> str:
-    return f"{time_ns * 1e-9:.9g} s"
+        times = np.array([sample_time_ns(load.start + i, load.dt) for i in range(len(load.nodal))])
+        wrench, filled = self.buffer.take(times, forced=forced)
+        return replace(beside(load, wrench), filled=filled)

@@ -241,8 +241,17 @@ def _pieces(
             yield field, gauges[rows]
 
 
-def prepare_loads(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> LoadWindows:
+def prepare_loads(
+    case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field, *, hydro: HydroMesh | None = None
+) -> LoadWindows:
     """Prepare the loads of the sea on the members of `mesh`, and look at the surface of the whole record.
+
+    Parameters
+    ----------
+    case, mesh, sea, field
+        What is loaded, and the waves.
+    hydro : HydroMesh, optional
+        Stations to use instead of those that the surface of the record asks for.
 
     Raises
     ------
@@ -271,7 +280,7 @@ def prepare_loads(case: CaseConfig, mesh: Mesh, sea: SeaState, field: Field) -> 
     highest = min(SAFETY * max(high, 0.0) + MARGIN, limit)
     check_extrapolation(sea.stretching, sea.wavenumber_rad_m, highest + case.morison.discretisation_m)
     lowest = SAFETY * min(low, 0.0) - MARGIN
-    hydro = case_hydro_mesh(case, mesh, lowest=lowest)
+    hydro = case_hydro_mesh(case, mesh, lowest=lowest) if hydro is None else hydro
     return LoadWindows(
         case=case,
         hydro=hydro,

@@ -12,7 +12,6 @@ a second order larger than themselves, so the iteration starts without them, and
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +22,7 @@ from owt_wave_node.core.dispersion import wavenumber
 from owt_wave_node.core.route import component_field
 from owt_wave_node.core.sea import Waves
 
-__all__ = ["Band", "MeasuredSea", "components_of_record"]
+__all__ = ["Band", "Gauge", "MeasuredSea", "components_of_record"]
 
 Spectrum = Complex[np.ndarray, " component"]
 Series = Float[np.ndarray, " time"]
@@ -89,6 +88,94 @@ class MeasuredSea:
     set_down_m: float
 
 
+class Gauge:
+    """Long-crested components at a gauge, of all records of one length.
+
+    Parameters
+    ----------
+    n : int
+        Samples of a record.
+    dt, depth, gravity : float
+        s, m, m/s2.
+    band : Band
+    order : int
+        At 1 records are taken as linear.
+
+    Raises
+    ------
+    InputError
+        If the band holds no component, or reaches the record's Nyquist frequency.
+    """
+
+    def __init__(self, n: int, *, dt: float, depth: float, gravity: float, band: Band, order: int) -> None:
+        # tanh kd = kd to 0.1 % there
+        longest = SHALLOWEST * math.sqrt(gravity / depth)
+        self.band = band
+        self.bins = _bins(n, dt, replace(band, cutin=max(band.cutin, longest)))
+        self.omega = self.bins * (2.0 * math.pi / (n * dt))
+        self.k = wavenumber(self.omega, water_depth=depth, gravity=gravity)
+        self._flat = Waves(
+            omega=self.omega,
+            wavenumber=self.k,
+            angle=np.zeros(self.omega.size),
+            amplitude=np.zeros(self.omega.size, dtype=complex),
+            depth=depth,
+            gravity=gravity,
+            order=order,
+            stretching="none",
+            dt=dt,
+            n=n,
+        )
+
+    def elevation(self, A: Spectrum) -> tuple[Series, Series]:
+        """First- and second-order elevation in m at the gauge of amplitudes in m there."""
+        first, second = component_field(self.waves(A)).elevation(np.zeros((1, 3)))
+        return first[0], second[0]
+
+    def waves(self, A: Spectrum, *, stretching: str = "none") -> Waves:
+        """Waves of some amplitudes in m."""
+        return replace(self._flat, amplitude=A, stretching=stretching)
+
+    def at_origin(self, A: Spectrum, x: float) -> Spectrum:
+        """Amplitudes at the origin of amplitudes at a gauge `x` m along the heading from it."""
+        return np.asarray(A * np.exp(1j * self.k * x))
+
+    def solve(self, record: Series) -> tuple[Spectrum, int]:
+        """Solve A = B[record - eta2(A)]; return the complex amplitudes at the gauge and the iterations used.
+
+        Raises
+        ------
+        InputError
+            If the band leaves all of the record.
+        ComputationError
+            If the iteration does not converge.
+        """
+        bins, band = self.bins, self.band
+        target = _project(record, bins)
+        energy = np.abs(target) ** 2
+        A = target * (bins * energy.sum() > LONG * float(bins @ energy))
+        if not A.any():
+            raise _outside(band, "leaves all of the record")
+        points: list[Spectrum] = []
+        steps: list[Spectrum] = []
+        change = math.inf
+        for i in range(1, band.max_iterations + 1):
+            step = target - _project(self.elevation(A)[1], bins) - A
+            change = float(np.abs(step).max()) / float(np.abs(A).max())
+            if not change < DIVERGED:
+                break
+            if change <= band.tolerance:
+                return A + step, i
+            points, steps = [*points[-MEMORY:], A], [*steps[-MEMORY:], step]
+            A = _mix(points, steps)
+        raise ComputationError(
+            f"first order of the measured record not found: after {band.max_iterations} iterations a "
+            f"component changes by {change:.1e} of the largest one, above {band.tolerance:g}. Lower "
+            "measured.cutoff_rad_s or raise measured.cutin_rad_s: the second order of very steep or very "
+            "long waves does not converge"
+        )
+
+
 def components_of_record(
     record: Series,
     *,
@@ -131,39 +218,17 @@ def components_of_record(
         raise InputError(
             "measured.path", std, "is the standard deviation in m: no waves", "Check the record."
         )
-    # tanh kd = kd to 0.1 % there
-    longest = SHALLOWEST * math.sqrt(gravity / depth)
-    bins = _bins(record.size, dt, replace(band, cutin=max(band.cutin, longest)))
-    omega = bins * (2.0 * math.pi / (record.size * dt))
-    k = wavenumber(omega, water_depth=depth, gravity=gravity)
-
-    def elevation(A: Spectrum) -> tuple[Series, Series]:
-        # At the gauge itself, x = 0: the phase k x is put back at the end.
-        sea = Waves(
-            omega=omega,
-            wavenumber=k,
-            angle=np.zeros(omega.size),
-            amplitude=A,
-            depth=depth,
-            gravity=gravity,
-            order=order,
-            stretching="none",
-            dt=dt,
-            n=record.size,
-        )
-        first, second = component_field(sea).elevation(np.zeros((1, 3)))
-        return first[0], second[0]
-
-    A, iterations = _solve(record, elevation, bins, band)
-    first, second = elevation(A)
+    gauge = Gauge(record.size, dt=dt, depth=depth, gravity=gravity, band=band, order=order)
+    A, iterations = gauge.solve(record)
+    first, second = gauge.elevation(A)
     rest = record - first - second
     rest -= rest.mean()
     residual = float(np.sqrt(np.mean(rest**2))) / std
     if residual > MOST_RESIDUAL:
         raise _outside(band, f"leaves {residual:.2g} of the record's standard deviation")
-    A = A * np.exp(1j * k * x)
+    A = gauge.at_origin(A, x)
     return MeasuredSea(
-        omega=omega,
+        omega=gauge.omega,
         amplitude=np.abs(A),
         phase=-np.angle(A),
         iterations=iterations,
@@ -207,37 +272,6 @@ def _bins(n: int, dt: float, band: Band) -> Int[np.ndarray, " component"]:
             "Widen the band or use a longer record.",
         )
     return np.arange(first, last + 1)
-
-
-def _solve(
-    record: Series,
-    elevation: Callable[[Spectrum], tuple[Series, Series]],
-    bins: Int[np.ndarray, " component"],
-    band: Band,
-) -> tuple[Spectrum, int]:
-    """Solve A = B[record - eta2(A)]; return the complex amplitudes at the gauge and the iterations used."""
-    target = _project(record, bins)
-    energy = np.abs(target) ** 2
-    A = target * (bins * energy.sum() > LONG * float(bins @ energy))
-    if not A.any():
-        raise _outside(band, "leaves all of the record")
-    points: list[Spectrum] = []
-    steps: list[Spectrum] = []
-    change = math.inf
-    for i in range(1, band.max_iterations + 1):
-        step = target - _project(elevation(A)[1], bins) - A
-        change = float(np.abs(step).max()) / float(np.abs(A).max())
-        if not change < DIVERGED:
-            break
-        if change <= band.tolerance:
-            return A + step, i
-        points, steps = [*points[-MEMORY:], A], [*steps[-MEMORY:], step]
-        A = _mix(points, steps)
-    raise ComputationError(
-        f"first order of the measured record not found: after {band.max_iterations} iterations a component "
-        f"changes by {change:.1e} of the largest one, above {band.tolerance:g}. Lower measured.cutoff_rad_s "
-        "or raise measured.cutin_rad_s: the second order of very steep or very long waves does not converge"
-    )
 
 
 def _project(series: Series, bins: Int[np.ndarray, " component"]) -> Spectrum:

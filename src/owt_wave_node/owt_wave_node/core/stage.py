@@ -7,6 +7,7 @@ record. Blocks in order cost each window once.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
@@ -15,6 +16,7 @@ from owt_model.config import CaseConfig
 from owt_model.contracts import ElevationBlock, LoadBasis, LoadBlock
 from owt_model.mesh import Mesh
 from owt_model.pod import Scatter, load_basis
+from owt_model.timing import sample_time_ns
 from owt_wave_node.core.assembly import LoadHistory
 from owt_wave_node.core.hydro_damping import drag_damping
 from owt_wave_node.core.loads import LoadWindows, prepare_loads
@@ -22,7 +24,7 @@ from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import build_sea_state
 from owt_wave_node.core.window import window_of
 
-__all__ = ["WaveStage", "build_wave_stage"]
+__all__ = ["WaveStage", "build_wave_stage", "cut_elevation", "cut_loads"]
 
 #: Where the rows of an element lie among its twelve end forces, with the sign of a fixed-end force: minus
 #: the equivalent nodal load. Rows: Fy1, Mz1, Fy2, Mz2, Fz1, My1, Fz2, My2 and, where there are, Fx1, Fx2.
@@ -71,27 +73,23 @@ class WaveStage:
             self._elevation = (window, first, first + second)
         return self._elevation[1:]
 
-    def _rows(self, i: int) -> tuple[slice, int, slice]:
-        """Samples of block `i`, its window, and its samples there."""
+    def _rows(self, i: int) -> tuple[int, slice]:
+        """Window of block `i`, and its samples there."""
         if not 0 <= i < self.n_blocks:
             raise IndexError(f"block {i} of {self.n_blocks}")
         rows = slice(i * self.block, min((i + 1) * self.block, self.sea_state.n))
         window, start = divmod(rows.start, self.windows.length)
-        return rows, window, slice(start, start + rows.stop - rows.start)
+        return window, slice(start, start + rows.stop - rows.start)
+
+    def time_ns(self, i: int) -> int:
+        """Simulated time in ns of the first sample of block `i`."""
+        return sample_time_ns(i * self.block, self.sea_state.dt_s)
 
     def elevation_block(self, i: int) -> ElevationBlock:
         """Elevation at the gauges in block `i`."""
-        rows, window, part = self._rows(i)
+        window, part = self._rows(i)
         first, total = self._surface(window)
-        return ElevationBlock(
-            sequence=i,
-            start=rows.start,
-            dt=self.sea_state.dt_s,
-            last=i == self.n_blocks - 1,
-            gauge=self.gauge,
-            first_order=np.ascontiguousarray(first[:, part].T),
-            total=np.ascontiguousarray(total[:, part].T),
-        )
+        return cut_elevation(first, total, part, gauge=self.gauge, **self._head(i))
 
     def load_block(self, i: int) -> LoadBlock:
         """Nodal loads and fixed-end forces in block `i`.
@@ -101,21 +99,12 @@ class WaveStage:
         ComputationError
             If a load is not finite.
         """
-        rows, window, part = self._rows(i)
-        history = self.history(window)
-        fixed = np.zeros((rows.stop - rows.start, history.element.size, 12))
-        fixed[:, :, END_FORCE[: history.end_rows.shape[1]]] = -history.end_rows[:, :, part].transpose(2, 0, 1)
-        return LoadBlock(
-            sequence=i,
-            start=rows.start,
-            dt=self.sea_state.dt_s,
-            last=i == self.n_blocks - 1,
-            model_hash=self.model_hash,
-            node=history.node,
-            element=history.element,
-            nodal=np.ascontiguousarray(history.nodal[:, :, part].transpose(2, 0, 1)),
-            fixed_end=fixed,
-        )
+        window, part = self._rows(i)
+        return cut_loads(self.history(window), part, model_hash=self.model_hash, **self._head(i))
+
+    def _head(self, i: int) -> dict[str, Any]:
+        last = i == self.n_blocks - 1
+        return {"sequence": i, "start": i * self.block, "dt": self.sea_state.dt_s, "last": last}
 
     def load_basis(self, n_vectors: int) -> LoadBasis:
         """Return the `n_vectors` most energetic spatial vectors of the loads of the record.
@@ -145,6 +134,32 @@ class WaveStage:
                 lowest=windows.lowest, highest=windows.highest,
             )  # fmt: skip
         return replace(basis, damping=total / windows.field.n)
+
+
+def cut_elevation(
+    first: Series, total: Series, part: slice, *, gauge: Float[np.ndarray, "gauge 2"], **head: Any
+) -> ElevationBlock:
+    """Block of the samples `part` of elevations in m; `head` is what every block carries."""
+    return ElevationBlock(
+        **head,
+        gauge=gauge,
+        first_order=np.ascontiguousarray(first[:, part].T),
+        total=np.ascontiguousarray(total[:, part].T),
+    )
+
+
+def cut_loads(history: LoadHistory, part: slice, *, model_hash: str, **head: Any) -> LoadBlock:
+    """Block of the samples `part` of a history; `head` is what every block carries."""
+    fixed = np.zeros((part.stop - part.start, history.element.size, 12))
+    fixed[:, :, END_FORCE[: history.end_rows.shape[1]]] = -history.end_rows[:, :, part].transpose(2, 0, 1)
+    return LoadBlock(
+        **head,
+        model_hash=model_hash,
+        node=history.node,
+        element=history.element,
+        nodal=np.ascontiguousarray(history.nodal[:, :, part].transpose(2, 0, 1)),
+        fixed_end=fixed,
+    )
 
 
 def build_wave_stage(case: CaseConfig, mesh: Mesh) -> WaveStage:

@@ -15,6 +15,7 @@ __all__ = ["main"]
 #: Command -> module with ``HELP``, ``add_arguments(parser)`` and ``run(arguments) -> int``.
 COMMANDS = {
     "demo": "owt_bringup.commands.demo",
+    "view": "owt_bringup.commands.view",
     "sea": "owt_bringup.commands.sea",
     "waves": "owt_bringup.commands.waves",
     "loads": "owt_bringup.commands.loads",

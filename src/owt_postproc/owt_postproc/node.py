@@ -88,7 +88,8 @@ class PostprocNode(StageNode):
 
     def _on_diagnostics(self, cdr: bytes) -> None:
         names = [status.name for status in deserialize_message(cdr, DiagnosticArray).status]
-        if not any(name.endswith(RATE_SUFFIX) or name.startswith(self.ROLE) for name in names):
+        foreign = (self.ROLE, topics.VIEWER)
+        if not any(name.endswith(RATE_SUFFIX) or name.startswith(foreign) for name in names):
             self._write(topics.DIAGNOSTICS, cdr, peek_stamp(cdr))
 
     def diagnose(self, level: bytes, message: str, *, suffix: str = "", **values: Any) -> DiagnosticArray:

@@ -9,6 +9,7 @@ from foxglove import Capability, Channel, Context, Schema
 
 from owt_model.errors import InputError
 from owt_ros import schema
+from owt_viewer.cdr import marker_array
 
 __all__ = ["LiveServer"]
 
@@ -34,7 +35,7 @@ class LiveServer:
     """
 
     def __init__(self, host: str, port: int) -> None:
-        context = Context()
+        context = self._context = Context()  # the channels do not keep it alive
         ros = Schema(name=_MARKERS, encoding="ros2msg", data=schema.definition(_MARKERS).encode())
         numbers = {"type": "object", "properties": {name: {"type": "number"} for name in _NUMBERS}}
         named = Schema(name="owt/Live", encoding="jsonschema", data=json.dumps(numbers).encode())
@@ -53,6 +54,8 @@ class LiveServer:
             raise InputError(
                 "port", port, f"cannot be served on {host} ({error})", "Choose another."
             ) from None
+
+        self.send(marker_array([], 0), {"time_s": 0.0}, 0)  # a channel is offered from its first message on
 
     @property
     def port(self) -> int:

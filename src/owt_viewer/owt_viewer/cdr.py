@@ -2,7 +2,7 @@
 
 One message object for each of twenty thousand points would cost more than everything else the viewer does;
 points and colours lie in the serialised message as arrays of doubles and floats, so they are written as such
-(XCDR1, little endian). A test compares the bytes with those that rclpy writes.
+(XCDR1, little endian). A test reads the bytes with rclpy.
 """
 
 from __future__ import annotations

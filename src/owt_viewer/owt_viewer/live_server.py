@@ -15,7 +15,7 @@ __all__ = ["LiveServer"]
 
 _MARKERS = "visualization_msgs/msg/MarkerArray"
 #: The small numbers that plots take, all of them numbers; those not known yet are left out.
-_NUMBERS = ("time_s", "elevation_m", "largest_stress_mpa", "largest_damage")
+_NUMBERS = ("time_s", "elevation_m", "largest_stress_mpa", "largest_damage", "log10_largest_damage")
 
 
 class LiveServer:

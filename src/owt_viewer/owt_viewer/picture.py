@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -119,6 +120,8 @@ class Picture:
             numbers["largest_stress_mpa"] = 1e-6 * float(von_mises.max())
         if fatigue is not None and fatigue.damage.size:
             numbers["largest_damage"] = float(fatigue.damage.max())
+        if numbers.get("largest_damage", 0.0) > 0.0:  # small numbers that a plot on a linear axis cannot show
+            numbers["log10_largest_damage"] = math.log10(numbers["largest_damage"])
         if self._skeleton is None:
             return found, numbers
         is_damage = self._colour == "damage"

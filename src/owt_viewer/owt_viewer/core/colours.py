@@ -15,15 +15,15 @@ Colour = Float[np.ndarray, " 4"]
 Colours = Float[np.ndarray, "point 4"]
 
 #: Of what has no value: the tower, and ends that a message leaves out.
-GREY = np.array([0.62, 0.65, 0.68, 1.0])
+GREY = np.array([0.46, 0.50, 0.54, 1.0])
 #: From the least to the largest value.
 _WARM = np.array(
     [
-        [0.36, 0.47, 0.62, 1.0],
-        [0.55, 0.71, 0.68, 1.0],
-        [0.97, 0.87, 0.45, 1.0],
-        [0.94, 0.49, 0.16, 1.0],
-        [0.74, 0.07, 0.12, 1.0],
+        [0.86, 0.89, 0.90, 1.0],
+        [0.98, 0.88, 0.42, 1.0],
+        [0.97, 0.58, 0.15, 1.0],
+        [0.87, 0.22, 0.12, 1.0],
+        [0.55, 0.02, 0.14, 1.0],
     ]
 )
 #: From trough to crest.

@@ -15,7 +15,7 @@ class ViewerOptions(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     colour: Literal["stress", "damage"] = Field("stress", description="what colours the members")
-    exaggeration: float = Field(50.0, ge=0.0, le=1e5, description="what displacements are multiplied by")
+    exaggeration: float = Field(200.0, ge=0.0, le=1e5, description="what displacements are multiplied by")
     fps: float = Field(8.0, gt=0.0, le=30.0, description="pictures per second of wall time")
     grid_extent_m: float = Field(110.0, gt=0.0, le=1e4, description="side of the square of sea in m")
     grid_points: int = Field(41, ge=2, le=201, description="grid points along a side of that square")

@@ -16,11 +16,15 @@ TIME_NS = 12_345_678_901
 
 def picture() -> list[Item]:
     random = np.random.default_rng(4)
+
+    def colours(n: int) -> np.ndarray:
+        return random.random((n, 4)).astype(np.float32).astype(np.float64)  # as the message holds them
+
     return [
-        Item("structure", 2, "lines", 1.2, random.normal(size=(6, 3)), random.random((6, 4))),
-        Item("sea", 0, "triangles", 1.0, random.normal(size=(9, 3)), random.random((9, 4))),
-        Item("label", 1, "text", 3.0, random.normal(size=(1, 3)), random.random((1, 4)), "t = 1 s, ± 2"),
-        Item("sea", 1, "triangles", 1.0, random.normal(size=(3, 3)), random.random((3, 4))),
+        Item("structure", 2, "lines", 1.2, random.normal(size=(6, 3)), colours(6)),
+        Item("sea", 0, "triangles", 1.0, random.normal(size=(9, 3)), colours(9)),
+        Item("label", 1, "text", 3.0, random.normal(size=(1, 3)), colours(1), "t = 1 s, ± 2"),
+        Item("sea", 1, "triangles", 1.0, random.normal(size=(3, 3)), colours(3)),
     ]
 
 
@@ -62,4 +66,4 @@ def test_afresh_removes_what_was_there() -> None:
     first, *others = deserialize_message(marker_array(picture(), TIME_NS, afresh=True), MarkerArray).markers
     assert (first.action, len(others)) == (Marker.DELETEALL, 4)
     assert all(entry.action == Marker.ADD for entry in others)
-    assert (Marker.LINE_LIST, Marker.TRIANGLE_LIST, Marker.TEXT_VIEW_FACING) == tuple(KINDS.values())
+    assert tuple(KINDS.values()) == (Marker.LINE_LIST, Marker.TRIANGLE_LIST, Marker.TEXT_VIEW_FACING)

@@ -80,6 +80,13 @@ def test_colours_at_and_beyond_the_limits() -> None:
     np.testing.assert_array_equal(RAMP.colours(np.zeros(1), np.array([False])), [GREY])
 
 
+@pytest.mark.parametrize("scale", [stress_scale(5e7), damage_scale(3e-5)])
+def test_the_legend_is_the_inverse_of_the_colours(scale: Scale) -> None:
+    share = np.linspace(0.0, 1.0, 9)
+    np.testing.assert_allclose(scale.share(scale.value(share)), share, atol=1e-12)
+    assert stress_scale(4e7).share(np.array([1e7])) == pytest.approx(0.5), "colour goes by the root"
+
+
 def test_damage_is_on_a_logarithmic_scale_of_four_decades() -> None:
     scale = damage_scale(2e-7)
     assert (scale.low, scale.high) == pytest.approx((1e-10, 1e-6))
@@ -97,7 +104,7 @@ def test_the_scale_only_grows() -> None:
 
 def test_the_legend_names_quantity_unit_and_both_ends() -> None:
     bar, *texts = legend_items(stress_scale(2e7), 5.0, 60.0)
-    assert {"0", "10", "20", "von Mises stress [MPa]"} == {item.text for item in texts}
+    assert {"0", "5", "20", "von Mises stress [MPa]"} == {item.text for item in texts}
     assert bar.points[:, 2].min() == 5.0
     assert bar.points[:, 2].max() == 60.0
     ends = stress_scale(2e7).colours(np.array([0.0, 2e7]), np.ones(2, dtype=bool))

@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         "--exaggeration",
         type=float,
-        default=50.0,
+        default=200.0,
         help="what displacements are multiplied by (default %(default)s)",
     )
     add("--fps", type=float, default=8.0, help="pictures per second of wall time (default %(default)s)")

@@ -47,7 +47,8 @@ class Scale:
     low, high : float
         Values of the first and the last colour, in `unit`.
     logarithmic : bool
-        Whether equal ratios of the value are equal steps of colour.
+        Whether equal ratios of the value are equal steps of colour; otherwise colour goes by the root of the
+        value, so that a single large wave does not leave the rest of the run without colour.
     quantity, unit : str
         For the legend.
     factor : float
@@ -67,7 +68,13 @@ class Scale:
         if self.logarithmic:
             low, high = math.log(self.low), math.log(self.high)
             return np.asarray((np.log(np.clip(shown, self.low, self.high)) - low) / (high - low))
-        return np.asarray(np.clip((shown - self.low) / (self.high - self.low), 0.0, 1.0))
+        return np.asarray(np.sqrt(np.clip((shown - self.low) / (self.high - self.low), 0.0, 1.0)))
+
+    def value(self, share: Float[np.ndarray, " point"]) -> Float[np.ndarray, " point"]:
+        """Values in SI at places on the scale: the inverse of :meth:`share`."""
+        if self.logarithmic:
+            return np.asarray(self.low * (self.high / self.low) ** share / self.factor)
+        return np.asarray((self.low + share**2 * (self.high - self.low)) / self.factor)
 
     def colours(self, value: Float[np.ndarray, " point"], known: Bool[np.ndarray, " point"]) -> Colours:
         """Colours of values in SI; grey where none is known."""
@@ -80,7 +87,7 @@ class Scale:
             n = round(math.log10(self.high / self.low))
             texts = [f"{self.low * 10.0**i:.0e}" for i in range(n + 1)]
             return [(i / n, text) for i, text in enumerate(texts)]
-        return [(s, f"{self.low + s * (self.high - self.low):g}") for s in (0.0, 0.5, 1.0)]
+        return [(s, f"{self.low + s**2 * (self.high - self.low):g}") for s in (0.0, 0.5, 1.0)]
 
 
 def rising_limit(largest: float, before: float) -> float:

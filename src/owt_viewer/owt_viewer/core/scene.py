@@ -177,10 +177,7 @@ def legend_items(scale: Scale, low_z: float, high_z: float) -> list[Item]:
     foot = np.array([-_BAR_DISTANCE, 0.0, low_z])
     up = np.array([0.0, 0.0, high_z - low_z])
     stop = np.repeat(np.linspace(0.0, 1.0, _BAR_SEGMENTS + 1), 2)[1:-1]
-    value = scale.low + stop * (scale.high - scale.low)
-    if scale.logarithmic:
-        value = scale.low * (scale.high / scale.low) ** stop
-    colours = scale.colours(value / scale.factor, np.ones(len(stop), dtype=bool))
+    colours = scale.colours(scale.value(stop), np.ones(len(stop), dtype=bool))
     items = [Item("legend", 0, "lines", _BAR_WIDTH, foot + stop[:, None] * up, colours)]
     aside = np.array([-3.5, 0.0, 0.0])
     for share, text in scale.ticks:

@@ -3,5 +3,6 @@
 from jaxtyping import install_import_hook
 
 install_import_hook(
-    ["owt_model", "owt_wave_node.core", "owt_structure_node.core", "owt_postproc.core"], "beartype.beartype"
+    ["owt_model", "owt_wave_node.core", "owt_structure_node.core", "owt_postproc.core", "owt_viewer.core"],
+    "beartype.beartype",
 )

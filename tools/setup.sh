@@ -96,16 +96,23 @@ make_environment() {
             --require-hashes -r "$lock"
     fi
 
-    {
-        printf '%s\n' "$ROOT"/src/*/setup.py | sed 's,/setup.py$,,'
-        echo "$INSTALL/lib/${site_packages#"$VENV"/lib/}"
-        [[ $MODE != wheels ]] || echo "import _owt_site"
-    } >"$site_packages/owt.pth"
+    write_paths
     if [[ $MODE == wheels ]]; then
         cp "$ROOT/tools/site_hook.py" "$site_packages/_owt_site.py"
         logged "patching the ROS wheels' CMake files" "$VENV/bin/python" "$ROOT/tools/patch_cmake.py"
     fi
     write_stamp environment
+}
+
+# Python finds the packages where they lie.
+write_paths() {
+    local site_packages
+    site_packages=$(echo "$VENV"/lib/python3.*/site-packages)
+    {
+        printf '%s\n' "$ROOT"/src/*/setup.py | sed 's,/setup.py$,,'
+        echo "$INSTALL/lib/${site_packages#"$VENV"/lib/}"
+        [[ $MODE != wheels ]] || echo "import _owt_site"
+    } >"$site_packages/owt.pth"
 }
 
 report_missing() {
@@ -130,6 +137,7 @@ colcon_build() {
 
 build_workspace() {
     local select=()
+    write_paths # a package may be new
     if up_to_date packages; then
         select=(--packages-select owt_msgs)
         say "workspace: owt_msgs (colcon)"

@@ -16,6 +16,7 @@ __all__ = ["main"]
 COMMANDS = {
     "demo": "owt_bringup.commands.demo",
     "serve": "owt_bringup.commands.serve",
+    "view": "owt_bringup.commands.view",
     "sea": "owt_bringup.commands.sea",
     "waves": "owt_bringup.commands.waves",
     "loads": "owt_bringup.commands.loads",

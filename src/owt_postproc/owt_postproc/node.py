@@ -28,6 +28,9 @@ from owt_ros.wire import Head, peek_stamp, time_ns
 
 __all__ = ["PostprocNode", "main"]
 
+#: Nodes whose warnings are no marks: this one writes its own, and a viewer may come and go.
+UNMARKED = (topics.POSTPROC, topics.VIEWER)
+
 
 class PostprocNode(StageNode):
     """Writes every message as it came; deserialises only the stress."""
@@ -44,9 +47,8 @@ class PostprocNode(StageNode):
         self._count = RunningCount(case)  # an unknown curve is refused before anything is recorded
         self._pending: deque[bytes] = deque()
         self._selection = Selection(everything=self.options.record == "all", ends=self.options.record_ends)
-        self._recorder = Recorder(
-            self.options.bag, case, overwrite=self.options.overwrite, selection=self._selection
-        )
+        overwrite = self.options.overwrite
+        self._recorder = Recorder(self.options.bag, case, overwrite=overwrite, selection=self._selection)
         self._fatigue = self.outlet(topics.FATIGUE)
         self._streams = {}
         for topic in topics.recorded(case):
@@ -81,7 +83,7 @@ class PostprocNode(StageNode):
 
     def _on_event(self, topic: Topic, cdr: bytes) -> None:
         """Record the clock, and mark what went wrong elsewhere: an ordinary run has no marks."""
-        if topic is topics.CLOCK or is_mark(deserialize_message(cdr, DiagnosticArray), but_of=self.ROLE):
+        if topic is topics.CLOCK or is_mark(deserialize_message(cdr, DiagnosticArray), but_of=UNMARKED):
             self._record(topic, cdr, peek_stamp(cdr))
         self.advance()
 
@@ -130,8 +132,8 @@ class PostprocNode(StageNode):
         except OwtError as error:
             response.message = str(error)
             return response
-        response.success, response.bag = True, str(self._recorder.folder)
-        response.messages = self._recorder.written
+        response.success, response.messages = True, self._recorder.written
+        response.bag = str(self._recorder.folder)
         return response
 
     def release(self) -> None:

@@ -69,15 +69,15 @@ class NodeOptions(BaseModel):
     )
 
 
-def is_mark(diagnostic: Any, *, but_of: str) -> bool:
-    """Tell whether a diagnostic says that something went wrong, at a simulated time, in another node.
+def is_mark(diagnostic: Any, *, but_of: tuple[str, ...]) -> bool:
+    """Tell whether a diagnostic says that something went wrong, but for some nodes, at a simulated time.
 
     Those that hold wall time say nothing of the data.
     """
     return any(
         status.level != DiagnosticStatus.OK
         and not status.name.endswith(RATE_SUFFIX)
-        and status.name.removesuffix(RATE_SUFFIX) != but_of
+        and not status.name.startswith(but_of)
         for status in diagnostic.status
     )
 

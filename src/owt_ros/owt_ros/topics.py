@@ -54,6 +54,7 @@ __all__ = [
     "SURFACE_ELEVATION",
     "TOWER_TOP_LOAD",
     "TOWER_TOP_WRENCH",
+    "VIEWER",
     "WAVE",
     "Kind",
     "Topic",
@@ -63,6 +64,8 @@ __all__ = [
 WAVE = "wave_node"
 STRUCTURE = "structure_node"
 POSTPROC = "postproc_node"
+#: Watches and is no part of the graph: nothing waits for it, nothing of it is recorded.
+VIEWER = "viewer_node"
 
 
 class Kind(Enum):

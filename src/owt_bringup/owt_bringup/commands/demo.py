@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ DEFAULT_BAG = Path("bags/demo")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     from owt_bringup.case_flags import add_case_flags
+    from owt_bringup.viewer import DEFAULT_PORT
 
     add_case_flags(parser)
     parser.add_argument(
@@ -35,6 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="namespace of all nodes and topics, in ROS domain ROS_DOMAIN_ID (0); without it the graph has a "
         "domain of its own",
     )  # fmt: skip
+    parser.add_argument(
+        "--view", type=int, nargs="?", const=DEFAULT_PORT, default=None, metavar="PORT",
+        help=f"serve the live picture for Foxglove and Lichtblick ({DEFAULT_PORT}); best with --rate 1",
+    )  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:
@@ -42,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
     import time
 
     from owt_bringup.case_flags import case_from_flags
+    from owt_bringup.domain import own_domain
     from owt_bringup.graph import run_graph
     from owt_bringup.output import ProgressBar
     from owt_bringup.results import print_table, write_results
@@ -56,15 +63,20 @@ def run(options: argparse.Namespace) -> int:
     structure.check_water_depth(case.water_depth_m)
     bar = ProgressBar("graph")
     try:
-        result = run_graph(
-            case,
-            options.bag,
-            overwrite=options.bag == DEFAULT_BAG,
-            record=options.record,
-            progress=bar.callback,
-            domain_id=_domain_for_others(case, options.namespace),
-            namespace=options.namespace,
-        )
+        namespace = options.namespace
+        with (
+            own_domain(_domain_for_others(case, namespace)) as domain,
+            _viewer(case, options.view, domain, namespace),
+        ):
+            result = run_graph(
+                case,
+                options.bag,
+                overwrite=options.bag == DEFAULT_BAG,
+                record=options.record,
+                progress=bar.callback,
+                domain_id=domain,
+                namespace=namespace,
+            )
     finally:
         bar.close()
     graph_seconds = time.perf_counter() - start
@@ -84,6 +96,13 @@ def run(options: argparse.Namespace) -> int:
         print(f"note: {note}", file=sys.stderr)
     print_warnings(case, structure)
     return 0
+
+
+def _viewer(case: CaseConfig, port: int | None, domain: int, namespace: str) -> AbstractContextManager[None]:
+    """A viewer beside the graph, where one was asked for."""
+    from owt_bringup.viewer import viewer_beside
+
+    return nullcontext() if port is None else viewer_beside(case, port, domain, namespace)
 
 
 def _domain_for_others(case: CaseConfig, namespace: str) -> int | None:

@@ -1,0 +1,1 @@
+"""From displacements, stress and wave components to lines, triangles and colours. No ROS in here."""

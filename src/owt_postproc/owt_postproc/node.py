@@ -42,13 +42,13 @@ class PostprocNode(StageNode):
 
     def configure(self, case: CaseConfig) -> None:
         """Begin the bag."""
-        if not self.options.bag:
+        options = self.options
+        if not options.bag:
             raise InputError("bag", "", "is missing", "Give the folder to record into.")
         self._count = RunningCount(case)  # an unknown curve is refused before anything is recorded
         self._pending: deque[bytes] = deque()
-        self._selection = Selection(everything=self.options.record == "all", ends=self.options.record_ends)
-        overwrite = self.options.overwrite
-        self._recorder = Recorder(self.options.bag, case, overwrite=overwrite, selection=self._selection)
+        self._selection = Selection(everything=options.record == "all", ends=options.record_ends)
+        self._recorder = Recorder(options.bag, case, overwrite=options.overwrite, selection=self._selection)
         self._fatigue = self.outlet(topics.FATIGUE)
         self._streams = {}
         for topic in topics.recorded(case):
@@ -129,11 +129,10 @@ class PostprocNode(StageNode):
             if self._recorder is None:
                 raise OwtError("nothing is being recorded")
             self._recorder.flush()
+            response.messages, response.bag = self._recorder.written, str(self._recorder.folder)
+            response.success = True
         except OwtError as error:
             response.message = str(error)
-            return response
-        response.success, response.messages = True, self._recorder.written
-        response.bag = str(self._recorder.folder)
         return response
 
     def release(self) -> None:

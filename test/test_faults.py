@@ -48,7 +48,8 @@ def test_a_killed_node_is_noticed_and_what_was_recorded_is_exact(
     trial = run_trial(number, victim, phase, tmp_path)
     assert trial.survived, trial
     assert trial.exact
-    assert trial.noticed <= 2.0
+    assert trial.bring_up <= 2.0
+    assert trial.noticed <= 8.0, "by the nodes themselves, where one was killed before it was discovered"
 
 
 def test_a_disk_that_fills_ends_the_run_and_keeps_what_fitted(tmp_path: Path) -> None:

@@ -20,7 +20,8 @@ from owt_postproc.core.running import RunningCount
 from owt_postproc.options import PostprocOptions
 from owt_postproc.recorder import Recorder
 from owt_ros import convert, decode, topics
-from owt_ros.lifecycle import RATE_SUFFIX, StageNode, is_mark
+from owt_ros.lifecycle import StageNode
+from owt_ros.options import RATE_SUFFIX, is_mark
 from owt_ros.process import interruptible, run
 from owt_ros.selection import Selection
 from owt_ros.topics import Kind, Topic

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from owt_ros.lifecycle import NodeOptions
+from owt_ros.options import NodeOptions
 
 __all__ = ["PostprocOptions"]
 

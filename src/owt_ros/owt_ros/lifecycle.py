@@ -10,11 +10,11 @@ from __future__ import annotations
 import time
 import traceback
 from collections.abc import Callable
+from functools import partial
 from typing import Any, ClassVar
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from owt_msgs.msg import Credit, NodeStatus
-from pydantic import BaseModel, ConfigDict, Field
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from rclpy.service import Service
@@ -26,6 +26,7 @@ from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError, StreamError
 from owt_ros.convert import stamp
 from owt_ros.credits import Flow, flow_of
+from owt_ros.options import RATE_SUFFIX, NodeOptions
 from owt_ros.parameters import NodeParameters
 from owt_ros.peers import Peers
 from owt_ros.qos import qos_for
@@ -33,12 +34,10 @@ from owt_ros.streams import Inlet, Outlet
 from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, Topic
 from owt_ros.transitions import ManagedNode
 
-__all__ = ["ACTIVE", "CONFIGURED", "PAUSED", "RATE_SUFFIX", "NodeOptions", "StageNode", "is_mark"]
+__all__ = ["ACTIVE", "CONFIGURED", "PAUSED", "StageNode"]
 
 #: Messages of a status without an error: the state that the node has reached.
 CONFIGURED, ACTIVE, PAUSED = "configured", "active", "paused"
-#: Ends the name of diagnostics that hold wall time; they are not recorded.
-RATE_SUFFIX = ": rate"
 #: Wall time in s between two reports of progress.
 REPORT_S = 0.05
 #: Timers run on wall time, also under ``use_sim_time``.
@@ -51,35 +50,6 @@ def _kind_of(error: OwtError) -> int:
     if isinstance(error, InputError):
         return int(NodeStatus.INPUT)
     return int(NodeStatus.STREAM if isinstance(error, StreamError) else NodeStatus.NUMERICS)
-
-
-class NodeOptions(BaseModel):
-    """Parameters of a node besides the case."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-    lease_s: float = Field(
-        1.5, ge=0.0, le=60.0, description="time in s until the death of a peer is noticed; 0 for never"
-    )
-    wait_s: float = Field(
-        30.0, gt=0.0, le=3600.0, description="longest wait in s for the subscriptions of consumers"
-    )
-    stall_s: float = Field(
-        120.0, gt=0.0, le=86400.0, description="longest wait in s for a consumer's acknowledgement"
-    )
-
-
-def is_mark(diagnostic: Any, *, but_of: tuple[str, ...]) -> bool:
-    """Tell whether a diagnostic says that something went wrong, but for some nodes, at a simulated time.
-
-    Those that hold wall time say nothing of the data.
-    """
-    return any(
-        status.level != DiagnosticStatus.OK
-        and not status.name.endswith(RATE_SUFFIX)
-        and not status.name.startswith(but_of)
-        for status in diagnostic.status
-    )
 
 
 class StageNode(ManagedNode):
@@ -147,7 +117,7 @@ class StageNode(ManagedNode):
             self,
             topic,
             handler,
-            receive=self._receive,
+            receive=partial(self._receive, topic.producer),
             acknowledge=self._credit_out,
             consumer=self.ROLE,
             flow=self.flow,
@@ -222,8 +192,9 @@ class StageNode(ManagedNode):
             self.get_logger().error(traceback.format_exc())
             self.fail(f"internal error: {type(error).__name__}: {error}")
 
-    def _receive(self, handle: Callable[[Any], None], message: Any) -> None:
+    def _receive(self, producer: str, handle: Callable[[Any], None], message: Any) -> None:
         """Take a message: now if active, on activation otherwise."""
+        self._hear(producer)
         if self._failed:
             return
         if self.active and not self._backlog:
@@ -249,7 +220,12 @@ class StageNode(ManagedNode):
             self.destroy_timer(self._starting)
             self._starting = None
 
+    def _hear(self, peer: str) -> None:
+        if self._peers is not None and peer:
+            self._peers.hear(peer)
+
     def _on_credit(self, message: Any) -> None:
+        self._hear(message.consumer if message.consumer != self.ROLE else "")
         for outlet in self._outlets:
             if outlet.topic.label == message.topic:
                 outlet.credit.acknowledge(message.consumer, int(message.sequence))
@@ -274,6 +250,8 @@ class StageNode(ManagedNode):
         blocks = {outlet.topic.label: outlet.credit.sent for outlet in self._outlets if outlet.credit.sent}
         blocks |= {inlet.topic.label: inlet.guard.received for inlet in self._inlets if inlet.guard.received}
         values = {"simulated seconds per second": f"{speed:.3g}", **blocks}
+        for loss in filter(None, map(self._loss, self._peers.unseen if self._peers else ())):
+            raise StreamError(loss)
         for outlet in self._outlets:
             if stalled := outlet.stalls(self.options.stall_s + self._outside_s):
                 raise StreamError(stalled)

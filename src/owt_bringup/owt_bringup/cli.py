@@ -22,6 +22,7 @@ COMMANDS = {
     "simulate": "owt_bringup.commands.simulate",
     "superelement": "owt_bringup.commands.superelement",
     "study": "owt_bringup.commands.study",
+    "analyse": "owt_bringup.commands.analyse",
     "report": "owt_bringup.commands.report",
     "recover": "owt_bringup.commands.recover",
 }

@@ -110,8 +110,15 @@ class CaseResult:
     stage_seconds: dict[str, float]
 
 
-def prepare_case(case: CaseConfig) -> CaseRun:
+def prepare_case(case: CaseConfig, *, tower_top: TowerTopLoad | None = None) -> CaseRun:
     """Build every stage of `case`; a sea in a file becomes one of components in the case that is returned.
+
+    Parameters
+    ----------
+    case : CaseConfig
+        The case.
+    tower_top : TowerTopLoad, optional
+        Load at the tower top in the place of the file or topic that the case names.
 
     Raises
     ------
@@ -123,7 +130,7 @@ def prepare_case(case: CaseConfig) -> CaseRun:
     mesh = build_mesh(case_structure(case.structure))
     fatigue = fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members)
     clock.lap("model")
-    tower_top = tower_top_load(case, mesh)
+    tower_top = tower_top_load(case, mesh) if tower_top is None else tower_top
     clock.lap("tower-top load")
     wave = build_wave_stage(case, mesh)
     clock.lap("waves and loads")
@@ -169,6 +176,7 @@ def run_case(
     keep_series: bool = False,
     versions: Mapping[str, str] | None = None,
     progress: Callable[[float, float], None] | None = None,
+    tower_top: TowerTopLoad | None = None,
 ) -> CaseResult:
     """Run one case from the sea to the damage.
 
@@ -182,6 +190,8 @@ def run_case(
         Provenance for the report.
     progress : callable, optional
         Called with the simulated time reached and the duration, in s.
+    tower_top : TowerTopLoad, optional
+        See :func:`prepare_case`.
 
     Raises
     ------
@@ -190,7 +200,7 @@ def run_case(
     ComputationError
         If a result cannot be trusted.
     """
-    run = prepare_case(case)
+    run = prepare_case(case, tower_top=tower_top)
     collector = ReportCollector(run.response.description.tower_top_coordinate)
     kept: list[CaseBlocks] = []
     state = fatigue_stage.initial_state(run.fatigue)

@@ -17,6 +17,7 @@ import numpy as np
 from owt_model.errors import InputError
 from owt_postproc.core.stage import POINT_ANGLE_DEG
 from owt_postproc.core.statistics import statistics
+from owt_postproc.core.summary import fatigue_summary
 from owt_postproc.figures import all_figures
 from owt_postproc.plot_style import Figure
 from owt_postproc.report_case import report_facts
@@ -59,19 +60,7 @@ def write_report(data: ReportData, path: str | Path) -> Path:
 
 def summary(data: ReportData) -> dict[str, Any]:
     """The results as plain finite numbers, units in the keys, ready for JSON."""
-    fatigue, reduced = data.fatigue, data.reduced
-    point, damage = fatigue.worst_point, fatigue.damage.max(axis=1)
-    ends = [
-        {
-            "name": name,
-            "damage": float(damage[e]),
-            "angle_deg": float(POINT_ANGLE_DEG[point[e]]),
-            "cycles": float(fatigue.cycles[e, point[e]]),
-            "max_range_pa": float(fatigue.max_range[e].max()),
-            "total_stress_pa": float(fatigue.total_stress[e]),
-        }
-        for e, name in enumerate(reduced.end_name)
-    ]
+    reduced = data.reduced
     result: dict[str, Any] = {
         "case": dict(data.case),
         "sea_state": dict(data.sea_state),
@@ -86,18 +75,7 @@ def summary(data: ReportData) -> dict[str, Any]:
             "notes": list(reduced.notes),
         },
         "statistics": {key: statistics(series).as_dict(unit) for key, _, series, unit, _, _ in _series(data)},
-        "fatigue": {
-            "sn_curve": fatigue.curve.name,
-            "scf": fatigue.scf,
-            "samples": fatigue.samples,
-            "duration_s": fatigue.duration_s,
-            "complete": data.complete,
-            "max_damage": float(damage.max()),
-            "max_damage_end": data.end_name,
-            "max_total_stress_pa": float(fatigue.total_stress.max()),
-            "max_total_stress_end": reduced.end_name[int(np.argmax(fatigue.total_stress))],
-            "ends": ends,
-        },
+        "fatigue": {**fatigue_summary(data.fatigue, reduced), "complete": data.complete},
     }
     return result
 

@@ -102,7 +102,7 @@ def _joined(bag: BagSource, blocks: list[WrenchBlock], notes: tuple[str, ...]) -
     for expected, block in enumerate(blocks):
         if block.sequence != expected:
             raise ComputationError(
-                f"/owt/tower_top_load: block {block.sequence} follows block {expected - 1}; the recording has a "
-                "gap."
+                f"/owt/tower_top_load: block {block.sequence} follows block {expected - 1}; the recording "
+                "has a gap."
             )
     return TowerTopLoad(np.concatenate([block.wrench for block in blocks]), notes=notes)

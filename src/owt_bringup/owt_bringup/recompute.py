@@ -51,7 +51,7 @@ def leaves_out(bag: BagSource) -> bool:
 
 
 def block_source(bag: BagSource) -> BlockSource:
-    """Return what gives the blocks of a bag: its messages where they are whole, else a :class:`Recomputation`."""
+    """Return what gives the blocks of a bag: a :class:`Recomputation`, unless its messages are whole."""
     return Recomputation() if leaves_out(bag) else as_recorded
 
 
@@ -147,9 +147,9 @@ class Recomputation:
                 continue
             again = getattr(block, name)
             if ends is not None:
-                if not 0 <= ends.min() <= ends.max() < again.shape[1]:
+                if ends.max() >= again.shape[1]:
                     raise ComputationError(
-                        f"{message.topic}, block {block.sequence}: member end {ends.max()} of {again.shape[1]}"
+                        f"{message.topic}, block {block.sequence}: there is no member end {ends.max()}"
                     )
                 again = again[:, ends]
             self.deviation.compare(message.topic, block.sequence, name, values, again)

@@ -11,8 +11,9 @@ from owt_model.errors import ComputationError
 
 __all__ = ["TOLERANCE", "Deviation"]
 
-#: Of the largest value of a quantity: other machines and versions round otherwise.
-TOLERANCE = 1e-9
+#: Of the largest value of a quantity. Another machine's BLAS rounds otherwise, and stress passes through
+#: eigenvectors: 6e-10 was seen between two machines.
+TOLERANCE = 1e-8
 
 
 @dataclass

@@ -51,10 +51,9 @@ def analyse(bag: Path, output: Path | None = None) -> tuple[ReportData, Path, li
         notes = [] if source.finished else [_how_far(bag, data)]
         notes += [f"left out: {' '.join(line.split())}" for line in source.damaged]
     if again is not None:
-        notes += [
-            *again.notes,
-            f"response computed again from the recorded loads: equals what was recorded {again.deviation}",
-        ]
+        turned = ", but for the modes' own coordinates, which another machine turns" if again.turned else ""
+        found = f"response computed again from the recorded loads: equals what was recorded {again.deviation}"
+        notes += [*again.notes, found + turned]
     if check.blocks:
         notes.append(f"cycles counted again: equal the recorded fatigue {check.deviation}")
     return data, folder, notes

@@ -24,6 +24,7 @@ COMMANDS = {
     "study": "owt_bringup.commands.study",
     "analyse": "owt_bringup.commands.analyse",
     "report": "owt_bringup.commands.report",
+    "replay": "owt_bringup.commands.replay",
     "recover": "owt_bringup.commands.recover",
 }
 

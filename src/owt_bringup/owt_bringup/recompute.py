@@ -36,6 +36,8 @@ __all__ = ["Recomputation", "block_source", "leaves_out"]
 
 #: Types of what the structure stage gives.
 RESPONSE = tuple(PREFIX + name for name in ("ModalState", "MemberStress", "Energy"))
+#: Coordinates of fixed-interface modes and load vectors.
+SHAPES = ("CB.", "MTA.")
 
 
 def leaves_out(bag: BagSource) -> bool:
@@ -64,6 +66,8 @@ class Recomputation:
         Of what was computed from what was recorded.
     notes : tuple of str
         What has changed since the recording.
+    turned : bool
+        Whether coordinates of modes are others than the recorded ones, of the same motion.
     """
 
     def __init__(self) -> None:
@@ -73,6 +77,7 @@ class Recomputation:
         self._wrenches: deque[WrenchBlock] = deque()
         self._model: ResponseModel | None = None
         self._state: ResponseState | None = None
+        self.turned = False
         self._ready: dict[tuple[type[Block], int], Block] = {}
 
     def __call__(
@@ -110,7 +115,9 @@ class Recomputation:
     def _build(self, case: CaseConfig, basis: Any) -> None:
         mesh = build_mesh(case_structure(case.structure))
         self.notes = other_structure(case, mesh, basis.model_hash)
-        self._model = build_response_model(case, mesh, to_load_basis(basis), damping_load(case, mesh))
+        # a structure described anew is told by what it computes, not by its hash
+        same = replace(to_load_basis(basis), model_hash=mesh.structure.content_hash)
+        self._model = build_response_model(case, mesh, same, damping_load(case, mesh))
         self._state = initial_state(self._model)
 
     def _advance(self, *, has_wrench: bool) -> None:
@@ -119,7 +126,6 @@ class Recomputation:
             if has_wrench and not self._wrenches:
                 return
             wrench = self._wrenches.popleft() if has_wrench else None
-            # a structure described anew is told by what it computes, not by its hash
             load = replace(self._loads.popleft(), model_hash=self._model.description.model_hash)
             self._state, response = step(self._model, self._state, load, wrench)
             for block in (response.modal, response.stress, response.energy):
@@ -147,10 +153,36 @@ class Recomputation:
                 continue
             again = getattr(block, name)
             if ends is not None:
-                if ends.max() >= again.shape[1]:
-                    raise ComputationError(
-                        f"{message.topic}, block {block.sequence}: there is no member end {ends.max()}"
-                    )
-                again = again[:, ends]
-            self.deviation.compare(message.topic, block.sequence, name, values, again)
+                again = _columns(message.topic, block, again, ends)
+            if isinstance(recorded, ModalBlock) and values.shape == again.shape:
+                self._compare_coordinates(message.topic, block.sequence, name, values, again)
+            else:
+                self.deviation.compare(message.topic, block.sequence, name, values, again)
         return block
+
+    def _compare_coordinates(
+        self, place: str, sequence: int, name: str, recorded: np.ndarray, again: np.ndarray
+    ) -> None:
+        """Compare coordinates; those of modes may be turned, as modes of equal frequency are not unique.
+
+        What no turning changes is compared then: the length over all modes, and over all load vectors.
+        """
+        if np.array_equal(recorded, again):
+            self.deviation.values += recorded.size
+            return
+        assert self._model is not None
+        self.turned = True
+        names = self._model.description.coordinate_name
+        shape = {group: np.array([name.startswith(group) for name in names]) for group in SHAPES}
+        physical = ~np.any(list(shape.values()), axis=0)
+        self.deviation.compare(place, sequence, name, recorded * physical, again * physical)
+        for group, columns in shape.items():
+            lengths = [np.sqrt((values[:, columns] ** 2).sum(axis=1)) for values in (recorded, again)]
+            self.deviation.compare(place, sequence, f"{name} (length of all {group}*)", *lengths)
+
+
+def _columns(place: str, block: Block, values: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Stress of the member ends that are recorded."""
+    if ends.max() >= values.shape[1]:
+        raise ComputationError(f"{place}, block {block.sequence}: there is no member end {ends.max()}")
+    return np.asarray(values[:, ends])

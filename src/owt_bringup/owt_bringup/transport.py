@@ -10,10 +10,14 @@ peer's writer is removed in the very moment of an announcement (seen once with a
 
 from __future__ import annotations
 
+import os
 import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["PROFILE_VARIABLE", "shared_memory_profile"]
+__all__ = ["PROFILE_VARIABLE", "shared_memory", "shared_memory_profile"]
 
 #: Environment variable that Fast DDS reads; a user's own profile is left in place.
 PROFILE_VARIABLE = "FASTDDS_DEFAULT_PROFILES_FILE"
@@ -70,3 +74,23 @@ def shared_memory_profile(participants: int, folder: Path = _SHARED_MEMORY) -> s
     if segment < _SMALLEST:
         return None
     return _PROFILE.format(segment=segment, message=segment // 2)
+
+
+@contextmanager
+def shared_memory(participants: int) -> Iterator[None]:
+    """Give this process the profile for `participants` processes while the block lasts.
+
+    Fast DDS reads it once, before the first participant. A user's own profile stays.
+    """
+    profile = shared_memory_profile(participants)
+    if profile is None or PROFILE_VARIABLE in os.environ:
+        yield
+        return
+    with tempfile.TemporaryDirectory(prefix="owt-fastdds-") as folder:
+        path = Path(folder) / "fastdds.xml"
+        path.write_text(profile, encoding="utf-8")
+        os.environ[PROFILE_VARIABLE] = str(path)
+        try:
+            yield
+        finally:
+            os.environ.pop(PROFILE_VARIABLE, None)

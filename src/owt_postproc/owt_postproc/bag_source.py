@@ -58,12 +58,15 @@ class RecordedTopic:
         Definition of its type, nested ones appended.
     qos : mapping
         The first profile that was offered; empty if none is known.
+    type_hash : str
+        RIHS01 hash of its type; empty if none is known.
     """
 
     name: str
     type_name: str
     schema: str
     qos: Mapping[str, Any]
+    type_hash: str = ""
 
     @property
     def latched(self) -> bool:
@@ -283,7 +286,8 @@ class BagSource:
 def _topic(channel: Channel, schema: Schema | None) -> RecordedTopic:
     profiles = yaml.safe_load(channel.metadata.get("offered_qos_profiles", "")) or [{}]
     text = "" if schema is None else schema.data.decode()
-    return RecordedTopic(channel.topic, "" if schema is None else schema.name, text, profiles[0])
+    name, hashed = "" if schema is None else schema.name, channel.metadata.get("topic_type_hash", "")
+    return RecordedTopic(channel.topic, name, text, profiles[0], hashed)
 
 
 def _message(channel: Channel, schema: Schema | None, message: Message) -> RawMessage:

@@ -30,14 +30,16 @@ from owt_ros.pace import Pace
 
 __all__ = ["Player", "response_message", "stop_on_signals"]
 
-#: Messages of a topic that its readers may not have yet.
-IN_FLIGHT = 16
+#: Messages of a topic that its readers may not have yet. Few, as a reader that keeps only some loses the
+#: others; more where an acknowledgement takes its time.
+IN_FLIGHT, IN_FLIGHT_SLOW = 8, 256
 #: Seconds without a new subscriber after which those there are count as all.
 QUIET_S = 0.5
 #: Seconds that the last messages have to arrive.
 ARRIVAL_S = 10.0
 #: How often a wait looks for a signal, in s.
 LOOK_S = 0.1
+OWN_CLOCK = RecordedTopic(CLOCK, "rosgraph_msgs/msg/Clock", "", {})
 _BEST_EFFORT = ("best_effort", 2)
 _MESSAGE_OF: dict[type[Block], Callable[[Any], Any]] = {
     ModalBlock: convert.modal_message,
@@ -118,6 +120,9 @@ class Player:
         Goes before the recorded names.
     domain_id : int, optional
         ROS domain; that of the environment by default.
+    quick : bool
+        Whether readers are asked often what they have
+        (:func:`owt_bringup.transport.quick_acknowledgements`).
 
     Raises
     ------
@@ -126,10 +131,18 @@ class Player:
     """
 
     def __init__(
-        self, plan: ReplayPlan, stop: threading.Event, *, namespace: str = "", domain_id: int | None = None
+        self,
+        plan: ReplayPlan,
+        stop: threading.Event,
+        *,
+        namespace: str = "",
+        domain_id: int | None = None,
+        quick: bool = False,
     ) -> None:
         self._plan, self._stop = plan, stop
-        classes = {name: _message_class(topic) for name, topic in plan.topics.items()}
+        self._in_flight = IN_FLIGHT if quick else IN_FLIGHT_SLOW
+        topics = {**plan.topics, **({CLOCK: OWN_CLOCK} if plan.has_own_clock else {})}
+        classes = {name: _message_class(topic) for name, topic in topics.items()}
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
         try:
@@ -144,10 +157,8 @@ class Player:
         prefix = self._node.get_namespace().rstrip("/")
         self._publishers = {
             name: self._node.create_publisher(classes[name], prefix + name, _profile(topic))
-            for name, topic in plan.topics.items()
+            for name, topic in topics.items()
         }
-        if plan.has_own_clock:
-            self._publishers[CLOCK] = self._node.create_publisher(Clock, prefix + CLOCK, IN_FLIGHT)
         self._sent = dict.fromkeys(self._publishers, 0)
 
     @property
@@ -227,7 +238,7 @@ class Player:
             sec, nanosec = divmod(message.publish_time_ns, 1_000_000_000)
             publisher.publish(Clock(clock=Time(sec=sec, nanosec=nanosec)))
         self._sent[message.topic] += 1
-        return self._sent[message.topic] % IN_FLIGHT != 0 or self._taken(publisher)
+        return self._sent[message.topic] % self._in_flight != 0 or self._taken(publisher)
 
     def _taken(self, publisher: Any) -> bool:
         """Wait until all reliable readers have the messages of one publisher."""

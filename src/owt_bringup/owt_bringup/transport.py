@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["PROFILE_VARIABLE", "shared_memory", "shared_memory_profile"]
+__all__ = ["PROFILE_VARIABLE", "quick_acknowledgements", "shared_memory_profile"]
 
 #: Environment variable that Fast DDS reads; a user's own profile is left in place.
 PROFILE_VARIABLE = "FASTDDS_DEFAULT_PROFILES_FILE"
@@ -58,6 +58,16 @@ _PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
   </profiles>
 </dds>
 """
+_BARE = """<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns="http://www.eprosima.com">
+  <profiles>
+  </profiles>
+</dds>
+"""
+_WRITER = """    <data_writer profile_name="owt_writer" is_default_profile="true">
+      <times><heartbeat_period><sec>0</sec><nanosec>5000000</nanosec></heartbeat_period></times>
+    </data_writer>
+"""
 
 
 def shared_memory_profile(participants: int, folder: Path = _SHARED_MEMORY) -> str | None:
@@ -77,20 +87,22 @@ def shared_memory_profile(participants: int, folder: Path = _SHARED_MEMORY) -> s
 
 
 @contextmanager
-def shared_memory(participants: int) -> Iterator[None]:
-    """Give this process the profile for `participants` processes while the block lasts.
+def quick_acknowledgements() -> Iterator[bool]:
+    """Let writers of this process ask their readers often what they have, while the block lasts.
 
-    Fast DDS reads it once, before the first participant. A user's own profile stays.
+    By default they ask every 3 s; who waits for the answer before it sends more comes to a few messages per
+    second. Fast DDS reads the profile once, before the first participant. A user's own profile stays: yields
+    False then.
     """
-    profile = shared_memory_profile(participants)
-    if profile is None or PROFILE_VARIABLE in os.environ:
-        yield
+    if PROFILE_VARIABLE in os.environ:
+        yield False
         return
     with tempfile.TemporaryDirectory(prefix="owt-fastdds-") as folder:
         path = Path(folder) / "fastdds.xml"
-        path.write_text(profile, encoding="utf-8")
+        profile = shared_memory_profile(2) or _BARE
+        path.write_text(profile.replace("  </profiles>", f"{_WRITER}  </profiles>"), encoding="utf-8")
         os.environ[PROFILE_VARIABLE] = str(path)
         try:
-            yield
+            yield True
         finally:
             os.environ.pop(PROFILE_VARIABLE, None)

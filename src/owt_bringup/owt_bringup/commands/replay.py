@@ -65,11 +65,11 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.output import ProgressBar
     from owt_bringup.replay import Player, response_message, stop_on_signals
     from owt_bringup.replay_plan import ReplayPlan, Window
-    from owt_bringup.transport import shared_memory
+    from owt_bringup.transport import quick_acknowledgements
     from owt_postproc.bag_source import BagSource
 
     bar = ProgressBar("replay")
-    with BagSource(options.bag) as bag, shared_memory(2):
+    with BagSource(options.bag) as bag, quick_acknowledgements() as quick:
         plan = ReplayPlan(
             bag,
             topics=options.topics,
@@ -85,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
 
         with (
             stop_on_signals() as stop,
-            Player(plan, stop, namespace=options.namespace, domain_id=options.domain) as player,
+            Player(plan, stop, namespace=options.namespace, domain_id=options.domain, quick=quick) as player,
         ):
             if options.wait is not None:
                 player.wait_for_subscriber(options.wait)

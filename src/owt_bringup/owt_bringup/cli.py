@@ -24,7 +24,9 @@ COMMANDS = {
     "simulate": "owt_bringup.commands.simulate",
     "superelement": "owt_bringup.commands.superelement",
     "study": "owt_bringup.commands.study",
+    "analyse": "owt_bringup.commands.analyse",
     "report": "owt_bringup.commands.report",
+    "replay": "owt_bringup.commands.replay",
     "recover": "owt_bringup.commands.recover",
 }
 

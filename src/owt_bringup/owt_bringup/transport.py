@@ -10,10 +10,14 @@ peer's writer is removed in the very moment of an announcement (seen once with a
 
 from __future__ import annotations
 
+import os
 import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["PROFILE_VARIABLE", "shared_memory_profile"]
+__all__ = ["PROFILE_VARIABLE", "quick_acknowledgements", "shared_memory_profile"]
 
 #: Environment variable that Fast DDS reads; a user's own profile is left in place.
 PROFILE_VARIABLE = "FASTDDS_DEFAULT_PROFILES_FILE"
@@ -54,6 +58,16 @@ _PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
   </profiles>
 </dds>
 """
+_BARE = """<?xml version="1.0" encoding="UTF-8"?>
+<dds xmlns="http://www.eprosima.com">
+  <profiles>
+  </profiles>
+</dds>
+"""
+_WRITER = """    <data_writer profile_name="owt_writer" is_default_profile="true">
+      <times><heartbeat_period><sec>0</sec><nanosec>5000000</nanosec></heartbeat_period></times>
+    </data_writer>
+"""
 
 
 def shared_memory_profile(participants: int, folder: Path = _SHARED_MEMORY) -> str | None:
@@ -70,3 +84,25 @@ def shared_memory_profile(participants: int, folder: Path = _SHARED_MEMORY) -> s
     if segment < _SMALLEST:
         return None
     return _PROFILE.format(segment=segment, message=segment // 2)
+
+
+@contextmanager
+def quick_acknowledgements() -> Iterator[bool]:
+    """Let writers of this process ask their readers often what they have, while the block lasts.
+
+    By default they ask every 3 s; who waits for the answer before it sends more comes to a few messages per
+    second. Fast DDS reads the profile once, before the first participant. A user's own profile stays: yields
+    False then.
+    """
+    if PROFILE_VARIABLE in os.environ:
+        yield False
+        return
+    with tempfile.TemporaryDirectory(prefix="owt-fastdds-") as folder:
+        path = Path(folder) / "fastdds.xml"
+        profile = shared_memory_profile(2) or _BARE
+        path.write_text(profile.replace("  </profiles>", f"{_WRITER}  </profiles>"), encoding="utf-8")
+        os.environ[PROFILE_VARIABLE] = str(path)
+        try:
+            yield True
+        finally:
+            os.environ.pop(PROFILE_VARIABLE, None)

@@ -113,7 +113,12 @@ class CaseResult:
     stage_seconds: dict[str, float]
 
 
-def prepare_case(case: CaseConfig, *, measured: Float[np.ndarray, " time"] | None = None) -> CaseRun:
+def prepare_case(
+    case: CaseConfig,
+    *,
+    measured: Float[np.ndarray, " time"] | None = None,
+    tower_top: TowerTopLoad | None = None,
+) -> CaseRun:
     """Build every stage of `case`; a sea in a file becomes one of components in the case that is returned.
 
     Parameters
@@ -122,6 +127,8 @@ def prepare_case(case: CaseConfig, *, measured: Float[np.ndarray, " time"] | Non
         The case.
     measured : float array [time], optional
         Elevation in m of a case with a live elevation, as a graph has used it.
+    tower_top : TowerTopLoad, optional
+        Load at the tower top in the place of the file or topic that the case names.
 
     Raises
     ------
@@ -133,7 +140,7 @@ def prepare_case(case: CaseConfig, *, measured: Float[np.ndarray, " time"] | Non
     mesh = build_mesh(case_structure(case.structure))
     fatigue = fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members)
     clock.lap("model")
-    tower_top = tower_top_load(case, mesh)
+    tower_top = tower_top_load(case, mesh) if tower_top is None else tower_top
     clock.lap("tower-top load")
     wave = _wave_stage(case, mesh, measured)
     clock.lap("waves and loads")
@@ -196,6 +203,7 @@ def run_case(
     versions: Mapping[str, str] | None = None,
     progress: Callable[[float, float], None] | None = None,
     measured: Float[np.ndarray, " time"] | None = None,
+    tower_top: TowerTopLoad | None = None,
 ) -> CaseResult:
     """Run one case from the sea to the damage.
 
@@ -209,7 +217,7 @@ def run_case(
         Provenance for the report.
     progress : callable, optional
         Called with the simulated time reached and the duration, in s.
-    measured : float array [time], optional
+    measured, tower_top
         See :func:`prepare_case`.
 
     Raises
@@ -219,7 +227,7 @@ def run_case(
     ComputationError
         If a result cannot be trusted.
     """
-    run = prepare_case(case, measured=measured)
+    run = prepare_case(case, measured=measured, tower_top=tower_top)
     collector = ReportCollector(run.response.description.tower_top_coordinate)
     kept: list[CaseBlocks] = []
     state = fatigue_stage.initial_state(run.fatigue)

@@ -223,11 +223,14 @@ class ReducedDescription:
 
 @dataclass(frozen=True)
 class ModalBlock(Block):
-    """Generalised displacements, velocities and accelerations of the assembled reduced model."""
+    """Generalised displacements, velocities and accelerations of the assembled reduced model.
+
+    Read from a bag that leaves them out, velocity and acceleration have no columns.
+    """
 
     displacement: Float[np.ndarray, "sample coordinate"]
-    velocity: Float[np.ndarray, "sample coordinate"]
-    acceleration: Float[np.ndarray, "sample coordinate"]
+    velocity: Float[np.ndarray, "sample velocity"]
+    acceleration: Float[np.ndarray, "sample acceleration"]
 
 
 @dataclass(frozen=True)

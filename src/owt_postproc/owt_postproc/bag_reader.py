@@ -5,50 +5,42 @@ Messages of this project are told by their type, so that a graph in a namespace 
 
 from __future__ import annotations
 
-import json
-import struct
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
 
 from owt_model.contracts import Block
 from owt_model.errors import ComputationError, InputError
-from owt_postproc.bag_recovery import find_files
+from owt_postproc.bag_source import BagFiles, BagSource, RawMessage
 from owt_ros import decode
 
-__all__ = ["BagArrays", "BagFiles", "BagMessage", "read_bag", "read_files", "read_messages", "to_block"]
+__all__ = [
+    "PREFIX",
+    "BagArrays",
+    "BagFiles",
+    "BagMessage",
+    "decoded",
+    "read_bag",
+    "read_files",
+    "read_messages",
+    "to_block",
+]
 
 PREFIX = "owt_msgs/msg/"
-#: What reading a damaged file can raise.
-DAMAGE = (McapError, OSError, EOFError, ValueError, struct.error)
 
 
 @dataclass(frozen=True)
 class BagMessage:
-    """One message: where and when it was, and its deserialised fields."""
+    """One message: where and when it was, its deserialised fields, and how it was recorded."""
 
     topic: str
     type_name: str
     log_time_ns: int
     content: Any
-
-
-@dataclass(frozen=True)
-class BagFiles:
-    """What was put into a bag beside its messages."""
-
-    attachments: dict[str, bytes] = field(default_factory=dict)
-    metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-
-    @property
-    def case(self) -> dict[str, Any]:
-        """The case that made the bag, empty if it holds none."""
-        return dict(json.loads(self.attachments["case.json"])) if "case.json" in self.attachments else {}
+    raw: RawMessage
 
 
 @dataclass(frozen=True)
@@ -59,7 +51,8 @@ class BagArrays:
     ----------
     streams : dict
         ``streams[topic][field]``: fields by sample joined over the blocks, [sample, ...]; ``time`` is the
-        simulated time in s; a field without samples is that of the first block.
+        simulated time in s; a field without samples is that of the first block. What a bag leaves out has no
+        columns.
     messages : dict
         ``messages[topic]``: the messages of every other topic, each a dict of its fields.
     """
@@ -67,6 +60,43 @@ class BagArrays:
     streams: dict[str, dict[str, np.ndarray]]
     messages: dict[str, list[dict[str, Any]]]
     files: BagFiles
+
+
+def decoded(source: BagSource, *, types: Collection[str] | None = None) -> Iterator[BagMessage]:
+    """Yield the messages of an open bag, complete or not, with their fields.
+
+    Parameters
+    ----------
+    source : BagSource
+        The bag.
+    types : collection of str, optional
+        Full names of the message types wanted.
+
+    Raises
+    ------
+    InputError
+        If it is damaged.
+    """
+    from rosbags.typesys import Stores, get_typestore
+
+    from owt_postproc.message_schema import types_of
+
+    topics = {
+        name: topic for name, topic in source.topics.items() if types is None or topic.type_name in types
+    }
+    store = get_typestore(Stores.EMPTY)
+    try:
+        for topic in topics.values():
+            definitions = types_of(topic.type_name, topic.schema)
+            store.register({name: d for name, d in definitions.items() if name not in store.types})
+    except Exception as error:  # the parser raises what it likes
+        raise _unreadable(source.path, error) from None
+    for raw in source.messages(topics):
+        try:
+            content = store.deserialize_cdr(raw.data, raw.type_name)
+        except Exception as error:
+            raise _unreadable(source.path, error) from None
+        yield BagMessage(raw.topic, raw.type_name, raw.log_time_ns, content, raw)
 
 
 def read_messages(bag: str | Path, *, types: Collection[str] | None = None) -> Iterator[BagMessage]:
@@ -84,27 +114,8 @@ def read_messages(bag: str | Path, *, types: Collection[str] | None = None) -> I
     InputError
         If it is not a readable, complete bag.
     """
-    from rosbags.rosbag2 import Reader, ReaderError
-    from rosbags.typesys import Stores, get_typestore
-
-    from owt_postproc.message_schema import types_of
-
-    path = Path(bag)
-    find_files(path)
-    try:
-        with Reader(path) as reader:
-            store = get_typestore(Stores.EMPTY)
-            wanted = [c for c in reader.connections if types is None or c.msgtype in types]
-            for connection in wanted:
-                definitions = types_of(connection.msgtype, connection.msgdef.data)
-                store.register({name: d for name, d in definitions.items() if name not in store.types})
-            if not wanted:
-                return
-            for connection, log_time, raw in reader.messages(connections=wanted):
-                content = store.deserialize_cdr(raw, connection.msgtype)
-                yield BagMessage(connection.topic, connection.msgtype, log_time, content)
-    except (ReaderError, *DAMAGE) as error:
-        raise _unreadable(bag, error) from None
+    with _complete(bag) as source:
+        yield from decoded(source, types=types)
 
 
 def read_files(bag: str | Path) -> BagFiles:
@@ -115,16 +126,16 @@ def read_files(bag: str | Path) -> BagFiles:
     InputError
         If it is not a readable, complete bag.
     """
-    files = BagFiles()
-    try:
-        for file in find_files(Path(bag)):
-            with file.open("rb") as stream:
-                reader = make_reader(stream)
-                files.attachments.update({item.name: item.data for item in reader.iter_attachments()})
-                files.metadata.update({item.name: dict(item.metadata) for item in reader.iter_metadata()})
-    except DAMAGE as error:
-        raise _unreadable(bag, error) from None
-    return files
+    with _complete(bag) as source:
+        return source.files
+
+
+def _complete(bag: str | Path) -> BagSource:
+    source = BagSource(bag)
+    if not source.finished:
+        source.close()
+        raise _unreadable(bag, ValueError("it was not finished"))
+    return source
 
 
 def _unreadable(bag: str | Path, error: Exception) -> InputError:
@@ -176,6 +187,8 @@ def _join(topic: str, blocks: list[dict[str, Any]]) -> dict[str, np.ndarray]:
             joined[name] = value
         else:
             parts = [values[name].reshape(n, -1) for values, n in zip(blocks, samples, strict=True)]
+            if name == "filled":  # empty in a block without such samples
+                parts = [p if p.size else np.zeros((len(p), 1), p.dtype) for p in parts]
             joined[name] = np.concatenate(parts)
     return joined
 
@@ -192,17 +205,6 @@ def _seconds(header: Any) -> float:
     return float(header.stamp.sec + 1e-9 * header.stamp.nanosec)
 
 
-_DECODE: dict[str, Callable[[Any], Block]] = {
-    f"{PREFIX}SurfaceElevation": decode.to_elevation,
-    f"{PREFIX}NodalLoads": decode.to_nodal_loads,
-    f"{PREFIX}ModalState": decode.to_modal,
-    f"{PREFIX}MemberStress": decode.to_stress,
-    f"{PREFIX}Energy": decode.to_energy,
-    f"{PREFIX}TowerTopLoad": decode.to_tower_top_load,
-    f"{PREFIX}MeasuredElevation": decode.to_measured,
-}
-
-
 def to_block(message: BagMessage) -> Block | None:
     """The block of samples that a message carries, None for messages that carry none.
 
@@ -211,5 +213,5 @@ def to_block(message: BagMessage) -> Block | None:
     ComputationError
         If its arrays do not fit its number of samples.
     """
-    read = _DECODE.get(message.type_name)
+    read = decode.BLOCKS.get(message.type_name.removeprefix(PREFIX))
     return None if read is None else read(message.content)

@@ -2,106 +2,169 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from owt_model.config import parse_case
-from owt_model.contracts import ReducedDescription, StressBlock, sea_facts
+from owt_model.config import CaseConfig, parse_case
+from owt_model.contracts import Block, ReducedDescription, StressBlock, sea_facts
 from owt_model.errors import InputError
-from owt_postproc.bag_reader import PREFIX, BagMessage, read_files, read_messages, to_block
-from owt_postproc.core.stage import (
-    FatigueModel,
-    FatigueState,
-    build_fatigue_model,
-    final,
-    initial_state,
-    step,
-)
+from owt_postproc.bag_reader import PREFIX, BagMessage, decoded, to_block
+from owt_postproc.bag_source import BagSource
+from owt_postproc.core.stage import build_fatigue_model, final, initial_state, step
+from owt_postproc.fatigue_check import FatigueCheck
 from owt_postproc.report_data import Geometry, ReportCollector, ReportData
-from owt_ros.decode import to_reduced_model
+from owt_ros.decode import is_whole, to_reduced_model
 
-__all__ = ["bag_report"]
+__all__ = ["BlockSource", "as_recorded", "bag_case", "bag_report"]
+
+#: Reads the messages of a case's bag in order; with each it gives the block that the message stands for.
+BlockSource = Callable[[CaseConfig, Iterator[BagMessage]], Iterator[tuple[BagMessage, Block | None]]]
 
 TYPES = tuple(
     PREFIX + name
     for name in (
         "ModelDescription",
         "SeaState",
+        "LoadBasis",
         "ReducedModel",
         "SurfaceElevation",
         "NodalLoads",
+        "TowerTopLoad",
         "ModalState",
         "MemberStress",
         "Energy",
+        "FatigueState",
     )
 )
 
 
-def bag_report(bag: str | Path, *, versions: Mapping[str, str] | None = None) -> ReportData:
-    """Read a bag and count its stress; needs the case attached to it as ``case.json``.
+def as_recorded(
+    case: CaseConfig, messages: Iterator[BagMessage]
+) -> Iterator[tuple[BagMessage, Block | None]]:
+    """Take every block from its message alone.
+
+    Raises
+    ------
+    InputError
+        If a message leaves out a part of its arrays.
+    """
+    for message in messages:
+        if not is_whole(message.content):
+            raise InputError(
+                "bag",
+                message.topic,
+                "leaves out what can be computed again from the loads",
+                "Read it with ./owt analyse, which does, or record with record = all.",
+            )
+        yield message, to_block(message)
+
+
+def bag_case(source: BagSource) -> CaseConfig:
+    """Return the case that made a bag.
+
+    Raises
+    ------
+    InputError
+        If the bag is damaged or holds no case.
+    """
+    case = source.files.case
+    if not case:
+        raise InputError(
+            "bag", str(source.path), "holds no case", "Record it with the bring-up of this project."
+        )
+    return parse_case(case, source="case.json in the bag")
+
+
+def bag_report(
+    bag: str | Path | BagSource,
+    *,
+    versions: Mapping[str, str] | None = None,
+    blocks: BlockSource = as_recorded,
+    check: FatigueCheck | None = None,
+) -> ReportData:
+    """Read a bag as far as it goes and count its stress; needs the case attached to it as ``case.json``.
 
     Parameters
     ----------
-    bag : path
-        Bag folder.
+    bag : path or BagSource
+        Bag folder, complete or not.
     versions : mapping, optional
         Replaces those in the bag's metadata record ``versions``.
+    blocks : callable
+        What gives the blocks; by default they are read from the messages.
+    check : FatigueCheck, optional
+        Compares the counting with the recorded one, block by block; tells afterwards what it found.
 
     Raises
     ------
     InputError
         If the bag is not readable, or lacks the case or the model.
     ComputationError
-        If a stream in it has a gap or is not finite.
+        If a stream in it has a gap or is not finite, or the recorded fatigue is another.
     """
-    files = read_files(bag)
-    if not files.case:
-        raise InputError("bag", str(bag), "holds no case", "Record it with the bring-up of this project.")
-    case = parse_case(files.case, source="case.json in the bag")
-    reduced: ReducedDescription | None = None
-    collector: ReportCollector | None = None
-    model: FatigueModel | None = None
-    state: FatigueState | None = None
-    geometry, sea = None, dict[str, Any]()
-    waiting: list[BagMessage] = []
-    for message in read_messages(bag, types=TYPES):
-        kind = message.type_name.removeprefix(PREFIX)
+    if not isinstance(bag, BagSource):
+        with BagSource(bag) as source:
+            return bag_report(source, versions=versions, blocks=blocks, check=check)
+    case = bag_case(bag)
+    reading = _Reading(case, check or FatigueCheck())
+    for message, block in blocks(case, decoded(bag, types=TYPES)):
+        reading.take(message, block)
+    return reading.finish(bag, bag.files.metadata.get("versions", {}) if versions is None else dict(versions))
+
+
+class _Reading:
+    """Where the reading of a bag stands; blocks wait for the description of the reduced model."""
+
+    def __init__(self, case: CaseConfig, check: FatigueCheck) -> None:
+        self._case, self._check = case, check
+        self._reduced: ReducedDescription | None = None
+        self._geometry: Geometry | None = None
+        self._sea: dict[str, Any] = {}
+        self._waiting: list[Block] = []
+
+    def take(self, message: BagMessage, block: Block | None) -> None:
+        kind, content = message.type_name.removeprefix(PREFIX), message.content
         if kind == "ModelDescription":
-            geometry = _geometry(message.content)
+            self._geometry = _geometry(content)
         elif kind == "SeaState":
-            sea = {name: _plain(value) for name, value in sea_facts(message.content).items()}
-        elif kind == "ReducedModel":
-            reduced = to_reduced_model(message.content)
-            collector = ReportCollector(reduced.tower_top_coordinate)
-            model = build_fatigue_model(case, len(reduced.end_name))
-            state = initial_state(model)
-        else:
-            waiting.append(message)
-        if collector is None or model is None or state is None:
-            continue
-        for ready in waiting:
-            block = to_block(ready)
-            if block is None:
-                continue
-            collector.add(block)
-            if isinstance(block, StressBlock):
-                state, _ = step(model, state, block)
-        waiting.clear()
-    if collector is None or model is None or state is None or reduced is None:
-        raise InputError(
-            "bag", str(bag), "holds no reduced model", "The recording ended before its first block."
+            self._sea = {name: _plain(value) for name, value in sea_facts(content).items()}
+        elif kind == "FatigueState":
+            self._check.recorded(content)
+        elif kind == "ReducedModel" and self._reduced is None:
+            self._reduced = to_reduced_model(content)
+            self._collector = ReportCollector(self._reduced.tower_top_coordinate)
+            self._model = build_fatigue_model(self._case, len(self._reduced.end_name))
+            self._state = initial_state(self._model)
+        if block is not None:
+            self._waiting.append(block)
+        if self._reduced is not None:
+            for ready in self._waiting:
+                self._count(ready)
+            self._waiting.clear()
+
+    def _count(self, block: Block) -> None:
+        self._collector.add(block)
+        if isinstance(block, StressBlock):
+            self._state, counted = step(self._model, self._state, block)
+            self._check.counted(counted)
+
+    def finish(self, bag: BagSource, versions: Mapping[str, str]) -> ReportData:
+        if self._reduced is None:
+            raise InputError(
+                "bag", str(bag.path), "holds no reduced model", "The recording ended before its first block."
+            )
+        self._check.finish(complete=self._state.closed)
+        return self._collector.finish(
+            case=self._case.model_dump(mode="json"),
+            reduced=self._reduced,
+            fatigue=final(self._model, self._state),
+            geometry=self._geometry,
+            sea_state=self._sea,
+            versions=versions,
         )
-    return collector.finish(
-        case=case.model_dump(mode="json"),
-        reduced=reduced,
-        fatigue=final(model, state),
-        geometry=geometry,
-        sea_state=sea,
-        versions=files.metadata.get("versions", {}) if versions is None else versions,
-    )
 
 
 def _plain(value: Any) -> Any:

@@ -48,7 +48,8 @@ class PostprocNode(StageNode):
             raise InputError("bag", "", "is missing", "Give the folder to record into.")
         self._count = RunningCount(case)  # an unknown curve is refused before anything is recorded
         self._pending: deque[bytes] = deque()
-        self._selection = Selection(everything=options.record == "all", ends=options.record_ends)
+        everything, live = options.record == "all", case.live is not None
+        self._selection = Selection(everything=everything, ends=options.record_ends, loads=live)
         self._recorder = Recorder(options.bag, case, overwrite=options.overwrite, selection=self._selection)
         self._fatigue = self.outlet(topics.FATIGUE)
         self._streams = {}

@@ -15,6 +15,7 @@ from owt_model.errors import ComputationError, InputError
 from owt_postproc.bag_report import bag_report
 from owt_postproc.core.rainflow import rainflow
 from owt_postproc.core.stage import build_fatigue_model, final, initial_state, step
+from owt_postproc.core.summary import fatigue_summary
 from owt_postproc.figures import all_figures
 from owt_postproc.plot_style import envelope
 from owt_postproc.report import render, summary, write_report
@@ -145,6 +146,19 @@ def test_summary_is_finite_json(data):
     assert len(result["fatigue"]["ends"]) == len(data.reduced.end_name)
     assert result["statistics"]["elevation_total"]["max_m"] == data.elevation_total.max()
     assert result["sea_state"]["hs_m"] == 6.0
+
+
+def test_fatigue_so_far_is_that_of_the_summary(run, data):
+    """What a service answers at the end is what the summary says; earlier, less has been counted."""
+    assert {**fatigue_summary(data.fatigue, run.reduced), "complete": True} == summary(data)["fatigue"]
+    model = build_fatigue_model(run.case, len(run.reduced.end_name))
+    state, _ = step(model, initial_state(model), run.of(StressBlock)[0])
+    early = fatigue_summary(final(model, state), run.reduced)
+    json.dumps(early, allow_nan=False)
+    assert early["samples"] == len(run.of(StressBlock)[0].axial)
+    assert early["max_damage"] < data.fatigue.damage.max()
+    # Nothing counted yet is no error.
+    assert fatigue_summary(final(model, initial_state(model)), run.reduced)["max_damage"] == 0.0
 
 
 def test_no_tower_and_no_geometry(data):

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from owt_model.contracts import (
     Block,
@@ -31,6 +31,8 @@ from owt_ros.wire import head_of, indices, read_doubles, read_flags, time_ns
 
 __all__ = [
     "BLOCKS",
+    "is_whole",
+    "stress_ends",
     "to_elevation",
     "to_energy",
     "to_fatigue",
@@ -162,14 +164,32 @@ def to_modal(message: Any) -> ModalBlock:
     return ModalBlock(
         **_block(message),
         displacement=displacement,
-        velocity=read_doubles(message, "velocity", *displacement.shape),
-        acceleration=read_doubles(message, "acceleration", *displacement.shape),
+        velocity=_unless_left_out(message, "velocity", *displacement.shape),
+        acceleration=_unless_left_out(message, "acceleration", *displacement.shape),
     )
 
 
+def _unless_left_out(message: Any, name: str, samples: int, n: int) -> Float[np.ndarray, "sample column"]:
+    """Read a field that a bag may leave out; it has no columns then."""
+    return read_doubles(message, name, samples, n if len(getattr(message, name)) else 0)
+
+
+def is_whole(message: Any) -> bool:
+    """Tell whether a message holds all that was published; a bag leaves out what can be computed again."""
+    names = ("velocity", "acceleration", "potential_mode", "kinetic_mode")
+    return stress_ends(message) is None and all(len(getattr(message, name, "-")) for name in names)
+
+
+def stress_ends(message: Any) -> Int[np.ndarray, " column"] | None:
+    """Member ends that a block of stress is given for, None for all of them."""
+    listed = indices(getattr(message, "end", ()))  # older recordings have no such field
+    return listed if len(listed) else None
+
+
 def to_stress(message: Any) -> StressBlock:
-    """Read a block of member stress."""
-    axial = read_doubles(message, "axial", int(message.samples), -1)
+    """Read a block of member stress, its columns those of :func:`stress_ends`."""
+    ends = stress_ends(message)
+    axial = read_doubles(message, "axial", int(message.samples), -1 if ends is None else len(ends))
     return StressBlock(
         **_block(message),
         axial=axial,
@@ -192,7 +212,7 @@ def to_energy(message: Any) -> EnergyBlock:
         potential=read_doubles(message, "potential", samples),
         kinetic=read_doubles(message, "kinetic", samples),
         potential_mode=potential_mode,
-        kinetic_mode=read_doubles(message, "kinetic_mode", *potential_mode.shape),
+        kinetic_mode=_unless_left_out(message, "kinetic_mode", *potential_mode.shape),
         potential_substructure=parts[0],
         kinetic_substructure=parts[1],
     )

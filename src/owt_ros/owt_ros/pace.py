@@ -29,12 +29,16 @@ class Pace:
 
     def is_due(self, time_ns: int) -> bool:
         """Tell whether the moment of simulated time `time_ns` has come; the first one asked for has."""
+        return self.wait_s(time_ns) <= 0.0
+
+    def wait_s(self, time_ns: int) -> float:
+        """Wall time in s until the moment of simulated time `time_ns`; the first one asked for is now."""
         if self._rate == 0.0:
-            return True
+            return 0.0
         if self._origin is None:
             self._origin = self._clock(), time_ns
         then, origin = self._origin
-        return (self._clock() - then) * self._rate >= (time_ns - origin) * 1e-9
+        return (time_ns - origin) * 1e-9 / self._rate - (self._clock() - then)
 
     def period_s(self, step_s: float) -> float:
         """Wall time in s that `step_s` of simulated time takes; 0 without a limit."""

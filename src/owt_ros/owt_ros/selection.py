@@ -40,9 +40,11 @@ class Selection:
         Keep messages as they came.
     ends : int
         Member ends whose stress is kept otherwise.
+    loads : bool
+        Keep the loads whole in any case: where the case alone does not give them again.
     """
 
-    def __init__(self, *, everything: bool, ends: int) -> None:
+    def __init__(self, *, everything: bool, ends: int, loads: bool = False) -> None:
         self._everything, self._count = everything, ends
         self._ends: Int[np.ndarray, " chosen"] | None = None
         self._trim: dict[Topic, Callable[[Any], None]] = {
@@ -51,6 +53,8 @@ class Selection:
             topics.MEMBER_STRESS: self._keep_ends,
             topics.ENERGY: _without_modes,
         }
+        if loads:
+            del self._trim[topics.NODAL_LOADS]
 
     def learn(self, model: ReducedDescription) -> None:
         """Choose the member ends; where nothing is known of their use, all."""

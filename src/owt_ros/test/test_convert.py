@@ -224,3 +224,36 @@ def test_garbage_bytes_are_refused() -> None:
             peek_head(garbage, "/owt/energy")
     with pytest.raises(ComputationError, match="no message with a time"):
         peek_stamp(b"\x00\x01\x00\x00")
+
+
+def test_what_a_bag_leaves_out_has_no_columns() -> None:
+    """Velocities, accelerations, shares of the modes; stress of the ends that are listed."""
+    modal = convert.modal_message(BLOCKS["modal"])
+    stress = convert.stress_message(BLOCKS["stress"])
+    energy = convert.energy_message(BLOCKS["energy"])
+    assert all(decode.is_whole(message) for message in (modal, stress, energy))
+    assert decode.stress_ends(stress) is None
+    modal.velocity = modal.acceleration = []
+    energy.potential_mode = energy.kinetic_mode = []
+    stress.end = [4, 1, 5]
+    for name in ("axial", "bending_y", "bending_z", "von_mises"):
+        values = np.asarray(getattr(stress, name)).reshape(5, 6)[:, [4, 1, 5]]
+        setattr(stress, name, values.ravel().tolist())
+    assert not any(decode.is_whole(message) for message in (modal, stress, energy))
+    found = decode.to_modal(modal)
+    np.testing.assert_array_equal(found.displacement, BLOCKS["modal"].displacement)
+    assert found.velocity.shape == found.acceleration.shape == (5, 0)
+    assert (
+        decode.to_energy(energy).potential_mode.shape == decode.to_energy(energy).kinetic_mode.shape == (5, 0)
+    )
+    np.testing.assert_array_equal(decode.stress_ends(stress), [4, 1, 5])
+    np.testing.assert_array_equal(
+        decode.to_stress(stress).von_mises, BLOCKS["stress"].von_mises[:, [4, 1, 5]]
+    )
+    # Negative controls: half of a field is no field that was left out, and columns must be those listed.
+    modal.velocity = [0.0] * 5
+    with pytest.raises(ComputationError, match=r"ModalState 7: velocity has 5 values"):
+        decode.to_modal(modal)
+    stress.end = [4, 1]
+    with pytest.raises(ComputationError, match=r"MemberStress 7: axial has 15 values, not those of \[5, 2\]"):
+        decode.to_stress(stress)

@@ -5,13 +5,23 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owt_model.errors import InputError
+
+if TYPE_CHECKING:
+    from owt_bringup.bag_case import RecordedRun
 
 HELP = "the whole chain in one process: summary.json, series.npz and report.html"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("case", type=Path, metavar="CASE.json", help="case file")
+    parser.add_argument("case", type=Path, metavar="CASE.json", nargs="?", help="case file")
+    parser.add_argument(
+        "--from-bag", type=Path, metavar="BAG",
+        help="instead of a case file: the case in a bag, with the load at the tower top that it recorded",
+    )  # fmt: skip
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="folder to write into"
     )
@@ -20,22 +30,51 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _case(options: argparse.Namespace) -> RecordedRun:
+    """Case of a file, or of a bag with what it recorded."""
+    from owt_bringup.bag_case import RecordedRun, recorded_run
+
+    if (options.case is None) == (options.from_bag is None):
+        raise InputError(
+            "CASE.json",
+            None if options.case is None else str(options.case),
+            "must be given, or a bag by --from-bag, and not both",
+            "Give one of them.",
+        )
+    if options.from_bag is None:
+        from owt_bringup.sea_notes import load_resolved_case
+
+        return RecordedRun(load_resolved_case(options.case))
+    from owt_postproc.bag_source import BagSource
+
+    with BagSource(options.from_bag) as bag:
+        return recorded_run(bag)
+
+
 def run(options: argparse.Namespace) -> int:
     """Run the case and write its results."""
     import time
 
     from owt_bringup.output import ProgressBar, prepare_folder, write_npz
     from owt_bringup.results import print_table, write_results
-    from owt_bringup.sea_notes import load_resolved_case, print_notes
+    from owt_bringup.sea_notes import print_notes
     from owt_campaign.pipeline import run_case
     from owt_model.versions import versions
     from owt_postproc.report import head_figures
 
     start = time.perf_counter()
-    case = load_resolved_case(options.case)
+    recorded = _case(options)
+    case = recorded.case
     folder = prepare_folder(options.output)
     bar = ProgressBar("simulate")
-    result = run_case(case, keep_series=options.full, versions=versions(), progress=bar.callback)
+    result = run_case(
+        case,
+        keep_series=options.full,
+        versions=versions(),
+        progress=bar.callback,
+        tower_top=recorded.tower_top,
+        measured=recorded.measured,
+    )
     bar.close()
     data = result.report
     series = {
@@ -63,7 +102,7 @@ def run(options: argparse.Namespace) -> int:
     elapsed = time.perf_counter() - start
     speed = f"{elapsed:.1f} s, {case.time.duration_s / elapsed:.0f} times real time"
     print_table([*head_figures(data), ("elapsed", speed), ("results", str(folder))])
-    for note in data.reduced.notes:
+    for note in (*recorded.notes, *data.reduced.notes):
         print(f"note: {note}", file=sys.stderr)
     print_notes(case, "simulate", result.mesh)
     return 0

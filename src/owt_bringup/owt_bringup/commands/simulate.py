@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
 
     from owt_bringup.output import ProgressBar, prepare_folder, write_npz
     from owt_bringup.results import print_table, write_results
-    from owt_bringup.sea_notes import print_notes
+    from owt_bringup.sea_notes import print_notes, print_warnings
     from owt_campaign.pipeline import run_case
     from owt_model.versions import versions
     from owt_postproc.report import head_figures
@@ -103,5 +103,8 @@ def run(options: argparse.Namespace) -> int:
     print_table([*head_figures(data), ("elapsed", speed), ("results", str(folder))])
     for note in (*recorded.notes, *data.reduced.notes):
         print(f"note: {note}", file=sys.stderr)
-    print_notes(case, "simulate", result.mesh)
+    if options.from_bag is None:
+        print_notes(case, "simulate", result.mesh)
+    else:  # the case of a bag names every option, set or not
+        print_warnings(case, result.mesh.structure)
     return 0

@@ -306,10 +306,38 @@ def foreign(path: Path) -> Path:
     return path
 
 
-def test_bags_of_other_systems(tmp_path: Path, listener: Listener) -> None:
-    path = foreign(tmp_path / "other")
+def written_by_rosbags(path: Path, storage: str = "MCAP") -> Path:
+    """The clock of :func:`foreign`, by another library."""
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS2_JAZZY)
+    with Writer(path, version=9, storage_plugin=StoragePlugin[storage]) as writer:
+        clock = writer.add_connection("/clock", "rosgraph_msgs/msg/Clock", typestore=types)
+        for data in messages_of(foreign(path.with_name("pattern")))["/clock"]:
+            writer.write(clock, peek_stamp(data), data)
+    return path
+
+
+@pytest.mark.parametrize("make", [foreign, written_by_rosbags])
+def test_bags_of_other_systems(tmp_path: Path, listener: Listener, make: Callable[[Path], Path]) -> None:
+    path = make(tmp_path / "other")
     listener.replay(path, "--rate", "10", "--topics", "/clock", "--start", "1")
     assert listener.heard == {"/clock": messages_of(path)["/clock"][2:]}
+
+
+def test_an_sqlite_recording_is_told_how_to_become_readable(
+    tmp_path: Path, domain: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old, new = written_by_rosbags(tmp_path / "old", "SQLITE3"), tmp_path / "new"
+    assert main(["replay", str(old), "--domain", str(domain)]) == 1
+    error = capsys.readouterr().err
+    assert (
+        "is an SQLite recording. Convert it: rosbags-convert --src BAG --dst NEW --dst-storage mcap." in error
+    )
+    command = [Path(sys.executable).parent / "rosbags-convert", "--src", old, "--dst", new]
+    subprocess.run([*command, "--dst-storage", "mcap"], check=True)
+    assert main(["replay", str(new), "--domain", str(domain), "--rate", "0"]) == 0
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
+from rclpy.validate_namespace import validate_namespace
 from rosgraph_msgs.msg import Clock
 
 from owt_bringup.replay_plan import CLOCK, ReplayPlan
@@ -107,6 +108,24 @@ def _profile(topic: RecordedTopic) -> QoSProfile:
     )
 
 
+def _prefix(namespace: str) -> str:
+    """What goes before the names of topics.
+
+    Raises
+    ------
+    InputError
+        If it is no namespace.
+    """
+    prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+    try:
+        validate_namespace(prefix or "/")
+    except InvalidNamespaceException as error:
+        raise InputError(
+            "namespace", namespace, f"is not allowed ({error})", "Use letters, digits, _ and /."
+        ) from None
+    return prefix
+
+
 class Player:
     """A node that publishes the messages of a plan; a context manager.
 
@@ -143,18 +162,10 @@ class Player:
         self._in_flight = IN_FLIGHT if quick else IN_FLIGHT_SLOW
         topics = {**plan.topics, **({CLOCK: OWN_CLOCK} if plan.has_own_clock else {})}
         classes = {name: _message_class(topic) for name, topic in topics.items()}
+        prefix = _prefix(namespace)
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
-        try:
-            self._node = Node(
-                "replay", context=self._context, namespace=namespace, use_global_arguments=False
-            )
-        except InvalidNamespaceException as error:
-            self._context.try_shutdown()
-            raise InputError(
-                "namespace", namespace, f"is not allowed ({error})", "Use letters, digits, _ and /."
-            ) from None
-        prefix = self._node.get_namespace().rstrip("/")
+        self._node = Node("replay", context=self._context, namespace=prefix, use_global_arguments=False)
         self._publishers = {
             name: self._node.create_publisher(classes[name], prefix + name, _profile(topic))
             for name, topic in topics.items()

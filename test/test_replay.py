@@ -16,9 +16,10 @@ from rclpy.serialization import deserialize_message
 from bag_tools import begin, rewrite, run_messages, write_run
 from local_graph import assert_messages_equal, read_by_rosbags
 from owt_bringup.cli import main
+from owt_bringup.replay_plan import ReplayPlan, Window
 from owt_bringup.transport import PROFILE_VARIABLE
 from owt_postproc.bag import BagWriter
-from owt_postproc.bag_source import RawMessage
+from owt_postproc.bag_source import BagSource, RawMessage
 from owt_ros.topics import MEMBER_STRESS, RECORDED, recorded
 from owt_ros.wire import peek_stamp
 from replay_listener import Listener, case, messages_of
@@ -217,6 +218,22 @@ def foreign(path: Path) -> Path:
             writer.write("/clock", CDR + stamp, log_time_ns=at, publish_time_ns=at)
             writer.write("/odd", CDR + bytes(4), log_time_ns=at, publish_time_ns=at)
     return path
+
+
+def test_no_message_is_too_early_for_a_whole_bag(tmp_path: Path, bag: Path) -> None:
+    """Messages sent by several machines arrive in another order; and a choice of topics moves no window."""
+    with BagWriter(tmp_path / "jitter") as writer:
+        writer.add_topic("/clock", "rosgraph_msgs/msg/Clock", "builtin_interfaces/Time clock\n" + NESTED)
+        for received, sent in enumerate((50, 20, 70)):
+            writer.write("/clock", CDR + bytes(8), log_time_ns=100 + received, publish_time_ns=sent)
+    with BagSource(tmp_path / "jitter") as source:
+        assert [message.publish_time_ns for message in ReplayPlan(source).round()] == [50, 20, 70]
+        late = ReplayPlan(source, window=Window(10e-9)).round()
+        assert [message.publish_time_ns for message in late] == [70]
+    with BagSource(bag) as source:
+        chosen = ReplayPlan(source, topics=["/owt/fatigue"], window=Window(2.0, 1.0)).round()
+        stamps = [message.publish_time_ns for message in chosen]
+    assert stamps == [int(2.4 * SECOND), int(2.9 * SECOND)]
 
 
 def written_by_rosbags(path: Path, storage: str = "MCAP") -> Path:

@@ -116,6 +116,21 @@ def test_reading_while_a_thread_writes(tmp_path: Path) -> None:
     assert reached[-1] == len(messages)
 
 
+def test_a_recording_that_was_ended_early(tmp_path: Path) -> None:
+    """By a signal, say: it has an index and a partial name; the results lie beside it, and say how far."""
+    writer = begin(tmp_path / "run", case())
+    for i, (label, at, data) in enumerate(list(run_messages(case()))[:60]):
+        writer.write(label, data, log_time_ns=RECEIVED_NS + i, publish_time_ns=at)
+    writer.seal()
+    writer.abandon()
+    data, folder, notes = analyse(tmp_path / "run")
+    assert folder == tmp_path / "run.partial"
+    assert not data.complete
+    assert notes[0] == f"{tmp_path / 'run'} is not complete: it goes to 3.9 s of 6 s"
+    _, folder, _ = analyse(writer.file)
+    assert folder == writer.file.with_suffix("")
+
+
 @pytest.mark.parametrize("share", [0.5, 0.9, 0.999])
 def test_a_recording_that_was_cut_off(tmp_path: Path, bag: Path, share: float) -> None:
     """In the middle of a chunk too; the complete ones before it count."""

@@ -258,6 +258,8 @@ def test_a_recording_of_another_machine_is_within_rounding(tmp_path: Path) -> No
     bag = rewrite(GOLDEN, tmp_path / "golden", change, schemas=define)
     data, _, notes = analyse(bag)
     assert any("is not the one that the bag was made with" in note for note in notes)
+    with BagSource(GOLDEN) as source:
+        assert "is not the one that the bag was made with" in recorded_run(source).notes[0]
     recorded = bag_report(GOLDEN)
     largest = recorded.fatigue.damage.max()
     np.testing.assert_allclose(data.fatigue.damage, recorded.fatigue.damage, rtol=0.0, atol=1e-8 * largest)

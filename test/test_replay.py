@@ -9,23 +9,20 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
-import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from bag_tools import begin, rewrite, run_messages, write_run
-from local_graph import assert_messages_equal, short_case
+from local_graph import assert_messages_equal, read_by_rosbags
 from owt_bringup.cli import main
+from owt_bringup.replay_plan import ReplayPlan, Window
 from owt_bringup.transport import PROFILE_VARIABLE
-from owt_model.config import CaseConfig
 from owt_postproc.bag import BagWriter
 from owt_postproc.bag_source import BagSource, RawMessage
-from owt_ros.topics import Kind, recorded
+from owt_ros.topics import MEMBER_STRESS, RECORDED, recorded
 from owt_ros.wire import peek_stamp
+from replay_listener import Listener, case, messages_of
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
 
@@ -38,11 +35,6 @@ NESTED = f"{'=' * 80}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n
 CDR = b"\x00\x01\x00\x00"
 
 
-def case() -> CaseConfig:
-    """6 s in twelve blocks, with a load at the tower top."""
-    return short_case(wind={"thrust": {}}, time={"n": 60}, stream={"block": 5})
-
-
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_run(tmp_path_factory.mktemp("replay") / "run", case())
@@ -51,84 +43,6 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def short(tmp_path_factory: pytest.TempPathFactory, bag: Path) -> Path:
     return rewrite(bag, tmp_path_factory.mktemp("short") / "run")
-
-
-def messages_of(bag: Path, keep: Callable[[RawMessage], bool] = lambda _: True) -> dict[str, list[bytes]]:
-    """Bytes of a bag by topic."""
-    found: dict[str, list[bytes]] = {}
-    with BagSource(bag) as source:
-        for message in source.messages():
-            if keep(message):
-                padding = bytes(-len(message.data) % 4)  # DDS carries whole words
-                found.setdefault(message.topic, []).append(message.data + padding)
-    return found
-
-
-class Listener:
-    """Somebody who subscribes to all topics of a bag, and starts the command."""
-
-    def __init__(self, domain: int, prefix: str = "", *, latched: bool = True) -> None:
-        self.domain, self.environment = domain, dict[str, str]()
-        self.heard: dict[str, list[bytes]] = {}
-        self.at: dict[str, list[float]] = {}
-        self._context = Context()
-        rclpy.init(context=self._context, domain_id=domain)
-        self._node = Node("listener", context=self._context, use_global_arguments=False)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
-        for topic in recorded(case()):
-            keeps = topic.kind is Kind.LATCHED and latched
-            profile = QoSProfile(
-                depth=1,
-                history=HistoryPolicy.KEEP_ALL,
-                reliability=ReliabilityPolicy.RELIABLE,
-                durability=DurabilityPolicy.TRANSIENT_LOCAL if keeps else DurabilityPolicy.VOLATILE,
-            )
-            take = self._take(topic.label)
-            self._node.create_subscription(topic.message, prefix + topic.label, take, profile, raw=True)
-
-    def _take(self, label: str) -> Callable[[bytes], None]:
-        def take(data: bytes) -> None:
-            self.heard.setdefault(label, []).append(bytes(data))
-            self.at.setdefault(label, []).append(time.monotonic())
-
-        return take
-
-    @property
-    def count(self) -> int:
-        return sum(map(len, self.heard.values()))
-
-    def start(self, bag: Path, *arguments: str) -> "subprocess.Popen[str]":
-        command = [sys.executable, "-m", "owt_bringup.cli", "replay", str(bag), *arguments]
-        command += ["--domain", str(self.domain), "--wait", "60"]
-        own = {name: value for name, value in os.environ.items() if name != PROFILE_VARIABLE}
-        return subprocess.Popen(
-            command,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env={**own, **self.environment},
-        )
-
-    def spin_until(self, ready: Callable[[], bool], seconds: float = 90.0) -> None:
-        deadline = time.monotonic() + seconds
-        while not ready():
-            assert time.monotonic() < deadline, {label: len(found) for label, found in self.heard.items()}
-            self._executor.spin_once(timeout_sec=0.02)
-
-    def replay(self, bag: Path, *arguments: str) -> str:
-        """Replay to the end, take all that has arrived by then, and return what was printed."""
-        process = self.start(bag, *arguments)
-        self.spin_until(lambda: process.poll() is not None)
-        out, err = process.communicate()
-        assert (process.returncode, err) == (0, "")
-        self.spin_until(lambda: self.count >= int(out.split()[0]), 5.0)
-        return out
-
-    def close(self) -> None:
-        self._executor.shutdown(timeout_sec=1.0)
-        self._node.destroy_node()
-        rclpy.shutdown(context=self._context)
 
 
 @pytest.fixture
@@ -306,10 +220,54 @@ def foreign(path: Path) -> Path:
     return path
 
 
-def test_bags_of_other_systems(tmp_path: Path, listener: Listener) -> None:
-    path = foreign(tmp_path / "other")
+def test_no_message_is_too_early_for_a_whole_bag(tmp_path: Path, bag: Path) -> None:
+    """Messages sent by several machines arrive in another order; and a choice of topics moves no window."""
+    with BagWriter(tmp_path / "jitter") as writer:
+        writer.add_topic("/clock", "rosgraph_msgs/msg/Clock", "builtin_interfaces/Time clock\n" + NESTED)
+        for received, sent in enumerate((50, 20, 70)):
+            writer.write("/clock", CDR + bytes(8), log_time_ns=100 + received, publish_time_ns=sent)
+    with BagSource(tmp_path / "jitter") as source:
+        assert [message.publish_time_ns for message in ReplayPlan(source).round()] == [50, 20, 70]
+        late = ReplayPlan(source, window=Window(10e-9)).round()
+        assert [message.publish_time_ns for message in late] == [70]
+    with BagSource(bag) as source:
+        chosen = ReplayPlan(source, topics=["/owt/fatigue"], window=Window(2.0, 1.0)).round()
+        stamps = [message.publish_time_ns for message in chosen]
+    assert stamps == [int(2.4 * SECOND), int(2.9 * SECOND)]
+
+
+def written_by_rosbags(path: Path, storage: str = "MCAP") -> Path:
+    """The clock of :func:`foreign`, by another library."""
+    from rosbags.rosbag2 import StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    types = get_typestore(Stores.ROS2_JAZZY)
+    with Writer(path, version=9, storage_plugin=StoragePlugin[storage]) as writer:
+        clock = writer.add_connection("/clock", "rosgraph_msgs/msg/Clock", typestore=types)
+        for data in messages_of(foreign(path.with_name("pattern")))["/clock"]:
+            writer.write(clock, peek_stamp(data), data)
+    return path
+
+
+@pytest.mark.parametrize("make", [foreign, written_by_rosbags])
+def test_bags_of_other_systems(tmp_path: Path, listener: Listener, make: Callable[[Path], Path]) -> None:
+    path = make(tmp_path / "other")
     listener.replay(path, "--rate", "10", "--topics", "/clock", "--start", "1")
     assert listener.heard == {"/clock": messages_of(path)["/clock"][2:]}
+
+
+def test_an_sqlite_recording_is_told_how_to_become_readable(
+    tmp_path: Path, domain: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old, new = written_by_rosbags(tmp_path / "old", "SQLITE3"), tmp_path / "new"
+    assert main(["replay", str(old), "--domain", str(domain)]) == 1
+    error = capsys.readouterr().err
+    assert (
+        "is an SQLite recording. Convert it: rosbags-convert --src BAG --dst NEW --dst-storage mcap." in error
+    )
+    command = [Path(sys.executable).parent / "rosbags-convert", "--src", old, "--dst", new]
+    subprocess.run([*command, "--dst-storage", "mcap"], check=True)
+    assert main(["replay", str(new), "--domain", str(domain), "--rate", "0"]) == 0
 
 
 @pytest.mark.parametrize(
@@ -348,5 +306,26 @@ def test_a_type_that_cannot_be_published_is_named(
     assert main(["replay", str(path), "--domain", str(domain)]) == 1
     found = capsys.readouterr().err
     assert "topics = '/odd': is of type nobody_msgs/msg/Odd, which is not installed" in found
-    assert main(["replay", str(GOLDEN), "--domain", str(domain)]) == 1
-    assert "was recorded with another definition of owt_msgs/msg/" in capsys.readouterr().err
+    other = tmp_path / "changed"
+    with BagWriter(other) as writer:
+        writer.add_topic("/clock", "rosgraph_msgs/msg/Clock", "uint64 clock\n")
+        writer.write("/clock", CDR + bytes(8), log_time_ns=1, publish_time_ns=1)
+    assert main(["replay", str(other), "--domain", str(domain)]) == 1
+    found = capsys.readouterr().err
+    assert "topics = '/clock': was recorded with another definition of rosgraph_msgs/msg/Clock than" in found
+
+
+def test_messages_of_an_older_definition_are_those_installed(listener: Listener) -> None:
+    """The committed bag, whose stress has no list of ends and whose load basis no damping."""
+    listener.replay(GOLDEN, "--rate", "0", "--topics", *(topic.label for topic in RECORDED))
+    recorded_messages = read_by_rosbags(GOLDEN)
+    compared = 0
+    for topic in RECORDED:
+        found = [deserialize_message(data, topic.message) for data in listener.heard.get(topic.label, [])]
+        for one, two in zip(found, recorded_messages[topic.label], strict=topic.label in listener.heard):
+            for name in two.__dataclass_fields__:
+                if not name.startswith("__") and name not in ("header", "clock", "status"):
+                    np.testing.assert_array_equal(getattr(one, name), getattr(two, name), name)
+                    compared += 1
+    assert compared > 50
+    assert len(deserialize_message(listener.heard["/owt/member_stress"][0], MEMBER_STRESS.message).end) == 0

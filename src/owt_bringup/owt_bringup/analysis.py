@@ -48,7 +48,7 @@ def analyse(bag: Path, output: Path | None = None) -> tuple[ReportData, Path, li
         data = bag_report(source, blocks=blocks, check=check)
         folder = prepare_folder(output or _place(source))
         write_results(data, folder)
-        notes = [] if source.finished else [_how_far(bag, data)]
+        notes = [] if source.finished and data.complete else [_how_far(bag, data)]
         notes += [f"left out: {' '.join(line.split())}" for line in source.damaged]
     if again is not None:
         turned = ", but for the modes' own coordinates, which another machine turns" if again.turned else ""
@@ -66,11 +66,12 @@ def _how_far(bag: Path, data: ReportData) -> str:
 
 def _place(bag: BagSource) -> Path:
     """Folder of a complete bag; one beside it otherwise, as a recording may still be going on."""
-    if bag.finished:
-        return bag.folder
+    if bag.path.is_file():
+        return bag.path.absolute().with_suffix("")
     folder = bag.folder.absolute()
-    name = folder.name.removeprefix(".")
-    return folder.with_name(name if name != folder.name else f"{name}.partial")
+    if folder.name.startswith(".") and ".partial" in folder.name:
+        return folder.with_name(folder.name.removeprefix("."))
+    return folder if bag.finished else folder.with_name(f"{folder.name}.partial")
 
 
 def bags_in(folder: Path) -> list[Path]:

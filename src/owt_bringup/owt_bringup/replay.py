@@ -19,13 +19,15 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
+from rclpy.validate_namespace import validate_namespace
 from rosgraph_msgs.msg import Clock
 
+from owt_bringup.older_definition import to_installed
 from owt_bringup.replay_plan import CLOCK, ReplayPlan
 from owt_model.contracts import Block, EnergyBlock, LoadBlock, ModalBlock, StressBlock
 from owt_model.errors import ComputationError, InputError
 from owt_postproc.bag_source import RawMessage, RecordedTopic
-from owt_ros import convert, schema
+from owt_ros import convert
 from owt_ros.pace import Pace
 
 __all__ = ["Player", "response_message", "stop_on_signals"]
@@ -68,12 +70,12 @@ def stop_on_signals() -> Iterator[threading.Event]:
 
 
 def _message_class(topic: RecordedTopic) -> type[Any]:
-    """Class of a topic's messages, whose definition must be the recorded one: its bytes are passed on.
+    """Class of a topic's messages.
 
     Raises
     ------
     InputError
-        If it is not installed, or is another by now.
+        If it is not installed.
     """
     package, _, name = topic.type_name.split("/") if topic.type_name.count("/") == 2 else ("", "", "")
     try:
@@ -85,13 +87,6 @@ def _message_class(topic: RecordedTopic) -> type[Any]:
             f"is of type {topic.type_name or '(none)'}, which is not installed",
             "Source the workspace that has it, or select others by --topics.",
         ) from None
-    if topic.type_hash and topic.type_hash != schema.type_hash(topic.type_name):
-        raise InputError(
-            "topics",
-            topic.name,
-            f"was recorded with another definition of {topic.type_name} than the one installed",
-            "Use the version that made the bag, or select others by --topics.",
-        )
     return found
 
 
@@ -106,6 +101,24 @@ def _profile(topic: RecordedTopic) -> QoSProfile:
         history=HistoryPolicy.KEEP_LAST if latched and depth else HistoryPolicy.KEEP_ALL,
         depth=max(depth, 1),
     )
+
+
+def _prefix(namespace: str) -> str:
+    """What goes before the names of topics.
+
+    Raises
+    ------
+    InputError
+        If it is no namespace.
+    """
+    prefix = f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+    try:
+        validate_namespace(prefix or "/")
+    except InvalidNamespaceException as error:
+        raise InputError(
+            "namespace", namespace, f"is not allowed ({error})", "Use letters, digits, _ and /."
+        ) from None
+    return prefix
 
 
 class Player:
@@ -128,7 +141,7 @@ class Player:
     Raises
     ------
     InputError
-        If a type is not installed, or the namespace cannot be.
+        If a type is not installed or is another by now, or the namespace cannot be.
     """
 
     def __init__(
@@ -144,18 +157,11 @@ class Player:
         self._in_flight = IN_FLIGHT if quick else IN_FLIGHT_SLOW
         topics = {**plan.topics, **({CLOCK: OWN_CLOCK} if plan.has_own_clock else {})}
         classes = {name: _message_class(topic) for name, topic in topics.items()}
+        self._older = {name: turn for name, topic in topics.items() if (turn := to_installed(topic))}
+        prefix = _prefix(namespace)
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
-        try:
-            self._node = Node(
-                "replay", context=self._context, namespace=namespace, use_global_arguments=False
-            )
-        except InvalidNamespaceException as error:
-            self._context.try_shutdown()
-            raise InputError(
-                "namespace", namespace, f"is not allowed ({error})", "Use letters, digits, _ and /."
-            ) from None
-        prefix = self._node.get_namespace().rstrip("/")
+        self._node = Node("replay", context=self._context, namespace=prefix, use_global_arguments=False)
         self._publishers = {
             name: self._node.create_publisher(classes[name], prefix + name, _profile(topic))
             for name, topic in topics.items()
@@ -234,7 +240,8 @@ class Player:
         """Publish a message; tell whether to go on."""
         publisher = self._publishers[message.topic]
         if message.data:
-            publisher.publish(message.data)
+            turn = self._older.get(message.topic)
+            publisher.publish(message.data if turn is None else turn(message.data))
         else:
             sec, nanosec = divmod(message.publish_time_ns, 1_000_000_000)
             publisher.publish(Clock(clock=Time(sec=sec, nanosec=nanosec)))

@@ -27,7 +27,7 @@ class Window:
     Attributes
     ----------
     start : float
-        Begin in s after the first message.
+        Begin in s after the first message that is not latched, whatever topics are chosen.
     duration : float, optional
         Length in s; to the end by default.
 
@@ -86,12 +86,13 @@ class ReplayPlan:
         self._clock_hz, self._window = clock_hz, window or Window()
         self._serialize = serialize if serialize is not None and leaves_out(bag) else None
         self.topics = self._select(topics)
-        first = next((m for m in bag.messages(self._names(latched=False))), None)
+        first = next(bag.messages([name for name, topic in bag.topics.items() if not topic.latched]), None)
         origin = 0 if first is None else first.publish_time_ns
         self.begin_ns = origin + round(self._window.start * 1e9)
         duration = self._window.duration
         self.end_ns = None if duration is None else self.begin_ns + round(duration * 1e9)
-        self._latched = [m for m in bag.messages(self._names(latched=True)) if self._comes_first(m)]
+        latched = [name for name, topic in self.topics.items() if topic.latched]
+        self._latched = [message for message in bag.messages(latched) if self._comes_first(message)]
         if self._window.start > 0.0 and next(self._stream(), None) is None:
             raise InputError(
                 "start",
@@ -129,16 +130,15 @@ class ReplayPlan:
         case = self._bag.files.case
         return max(bag_case(self._bag).time.duration_s - self._window.start, 0.0) if case else 0.0
 
-    def _names(self, *, latched: bool) -> list[str]:
-        return [name for name, topic in self.topics.items() if topic.latched == latched]
-
     def _comes_first(self, message: RawMessage) -> bool:
         """Whether a message is a latched one that a subscriber knows when the window begins."""
         return self.topics[message.topic].latched and message.publish_time_ns <= self.begin_ns
 
     def _is_inside(self, message: RawMessage) -> bool:
+        """Whether a message lies in the window; from the start of the bag on none is too early."""
         time_ns = message.publish_time_ns
-        return time_ns >= self.begin_ns and (self.end_ns is None or time_ns < self.end_ns)
+        begun = self._window.start == 0.0 or time_ns >= self.begin_ns
+        return begun and (self.end_ns is None or time_ns < self.end_ns)
 
     def round(self) -> Iterator[RawMessage]:
         """Yield what one round publishes, latched messages first; ticks of an own clock have no data."""

@@ -48,6 +48,13 @@ def find_files(bag: Path) -> list[Path]:
         return [bag]
     folder = bag if bag.is_dir() else partial_path(bag.absolute())
     files = sorted(folder.glob("*.mcap"))
+    if not files and any(folder.glob("*.db3*")):
+        raise InputError(
+            "bag",
+            str(bag),
+            "is an SQLite recording",
+            "Convert it: rosbags-convert --src BAG --dst NEW --dst-storage mcap.",
+        )
     if not files:
         raise InputError("bag", str(bag), "holds no MCAP file", "Give a bag folder, finished or partial.")
     return files

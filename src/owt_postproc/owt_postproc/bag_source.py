@@ -24,13 +24,14 @@ from mcap.reader import make_reader
 from mcap.records import Attachment, Channel, Message, Metadata, Schema
 
 from owt_model.errors import InputError
+from owt_postproc.bag import METADATA
 from owt_postproc.bag_recovery import find_files
 from owt_postproc.mcap_file import has_footer, scan
 
 __all__ = ["BagFiles", "BagSource", "RawMessage", "RecordedTopic"]
 
 #: What reading a damaged file can raise.
-DAMAGE = (McapError, OSError, EOFError, ValueError, LookupError, struct.error, yaml.YAMLError)
+DAMAGE = (McapError, OSError, EOFError, ValueError, LookupError, TypeError, struct.error, yaml.YAMLError)
 #: How rosbag2 writes that a publisher keeps its last message; the number is that of older versions.
 LATCHED = ("transient_local", 1)
 
@@ -138,12 +139,15 @@ class BagSource:
         self.path = Path(bag)
         self._stack = ExitStack()
         self._open: list[tuple[int, int]] = []
-        with self._readable():
+        with self._readable(), ExitStack() as failed:
+            failed.callback(self.close)
             try:
                 self._open_files()
             except FileNotFoundError:  # the recording was completed, and renamed, in this very moment
                 self._open_files()
+            self._refuse_compressed()
             self.finished = all(has_footer(stream) for stream in self._streams())
+            failed.pop_all()
 
     def _open_files(self) -> None:
         files = find_files(self.path)
@@ -152,6 +156,21 @@ class BagSource:
             handles = [opened.enter_context(file.open("rb", buffering=0)) for file in files]
             self._open = [(handle.fileno(), os.fstat(handle.fileno()).st_size) for handle in handles]
             self._stack.push(opened.pop_all())
+
+    def _refuse_compressed(self) -> None:
+        """Refuse what rosbag2 compressed message by message: the bytes are not those of the messages then."""
+        metadata = self.folder / METADATA
+        if self.path.is_file() or not metadata.is_file():
+            return
+        data = yaml.safe_load(metadata.read_text(encoding="utf-8"))
+        mode = data["rosbag2_bagfile_information"].get("compression_mode", "")
+        if str(mode).lower() not in ("", "none"):
+            raise InputError(
+                "bag",
+                str(self.path),
+                f"is compressed by {str(mode).lower()}",
+                "Convert it: rosbags-convert --src BAG --dst NEW --dst-storage mcap.",
+            )
 
     def _streams(self) -> list[BinaryIO]:
         return [cast("BinaryIO", io.BufferedReader(_Window(fd, size), 1 << 20)) for fd, size in self._open]

@@ -47,14 +47,14 @@ def run(options: argparse.Namespace) -> int:
     """Run the graph, then read the bag back for the report."""
     import time
 
+    from owt_bringup.analysis import analyse
     from owt_bringup.case_flags import case_from_flags
     from owt_bringup.domain import own_domain
     from owt_bringup.graph import run_graph
     from owt_bringup.output import ProgressBar
-    from owt_bringup.results import print_table, write_results
+    from owt_bringup.results import print_table
     from owt_bringup.sea_notes import print_warnings
     from owt_model.structure import case_structure
-    from owt_postproc.bag_report import bag_report
     from owt_postproc.report import head_figures
 
     start = time.perf_counter()
@@ -80,8 +80,7 @@ def run(options: argparse.Namespace) -> int:
     finally:
         bar.close()
     graph_seconds = time.perf_counter() - start
-    data = bag_report(result.bag)
-    write_results(data, result.bag)
+    data, _, _ = analyse(result.bag)
     size = sum(path.stat().st_size for path in result.bag.iterdir() if path.suffix == ".mcap")
     elapsed = time.perf_counter() - start
     print_table(

@@ -11,6 +11,7 @@ from owt_model.errors import InputError
 
 if TYPE_CHECKING:
     from owt_bringup.bag_case import RecordedRun
+    from owt_model.config import CaseConfig
 
 HELP = "the whole chain in one process: summary.json, series.npz and report.html"
 
@@ -30,10 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _case(options: argparse.Namespace) -> RecordedRun:
-    """Case of a file, or of a bag with what it recorded."""
-    from owt_bringup.bag_case import RecordedRun, recorded_run
-
+def _case(options: argparse.Namespace) -> tuple[CaseConfig, RecordedRun | None]:
+    """Case of a file; or of a bag, with what it recorded."""
     if (options.case is None) == (options.from_bag is None):
         raise InputError(
             "CASE.json",
@@ -44,11 +43,13 @@ def _case(options: argparse.Namespace) -> RecordedRun:
     if options.from_bag is None:
         from owt_bringup.sea_notes import load_resolved_case
 
-        return RecordedRun(load_resolved_case(options.case))
+        return load_resolved_case(options.case), None
+    from owt_bringup.bag_case import recorded_run
     from owt_postproc.bag_source import BagSource
 
     with BagSource(options.from_bag) as bag:
-        return recorded_run(bag)
+        recorded = recorded_run(bag)
+    return recorded.case, recorded
 
 
 def run(options: argparse.Namespace) -> int:
@@ -57,14 +58,13 @@ def run(options: argparse.Namespace) -> int:
 
     from owt_bringup.output import ProgressBar, prepare_folder, write_npz
     from owt_bringup.results import print_table, write_results
-    from owt_bringup.sea_notes import print_notes
+    from owt_bringup.sea_notes import print_notes, print_warnings
     from owt_campaign.pipeline import run_case
     from owt_model.versions import versions
     from owt_postproc.report import head_figures
 
     start = time.perf_counter()
-    recorded = _case(options)
-    case = recorded.case
+    case, recorded = _case(options)
     folder = prepare_folder(options.output)
     bar = ProgressBar("simulate")
     result = run_case(
@@ -72,8 +72,8 @@ def run(options: argparse.Namespace) -> int:
         keep_series=options.full,
         versions=versions(),
         progress=bar.callback,
-        tower_top=recorded.tower_top,
-        measured=recorded.measured,
+        tower_top=None if recorded is None else recorded.tower_top,
+        measured=None if recorded is None else recorded.measured,
     )
     bar.close()
     data = result.report
@@ -102,7 +102,10 @@ def run(options: argparse.Namespace) -> int:
     elapsed = time.perf_counter() - start
     speed = f"{elapsed:.1f} s, {case.time.duration_s / elapsed:.0f} times real time"
     print_table([*head_figures(data), ("elapsed", speed), ("results", str(folder))])
-    for note in (*recorded.notes, *data.reduced.notes):
+    for note in (*(() if recorded is None else recorded.notes), *data.reduced.notes):
         print(f"note: {note}", file=sys.stderr)
-    print_notes(case, "simulate", result.mesh)
+    if recorded is None:
+        print_notes(case, "simulate", result.mesh)
+    else:  # the case of a bag names every option, set or not
+        print_warnings(case, result.mesh.structure)
     return 0

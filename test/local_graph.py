@@ -78,7 +78,7 @@ class LocalGraph:
         for kind in kinds:
             values = {**case_values(case), "lease_s": 0.0, **(overrides or {}).get(kind.ROLE, {})}
             if kind is PostprocNode:
-                values = {"bag": str(bag), **values}
+                values = {"bag": str(bag), "record": "all", **values}
             given = [Parameter(name, value=value) for name, value in values.items()]
             node = kind(context=self.context, parameter_overrides=given, use_global_arguments=False)
             self.nodes[kind.ROLE] = node

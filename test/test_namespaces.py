@@ -87,7 +87,11 @@ def test_two_graphs_in_one_domain_give_the_numbers_of_one_process_each(tmp_path:
     def run(namespace: str) -> None:
         try:
             results[namespace] = run_graph(
-                case_of(namespace), tmp_path / Path(namespace).name, domain_id=domain, namespace=namespace
+                case_of(namespace),
+                tmp_path / Path(namespace).name,
+                record="all",
+                domain_id=domain,
+                namespace=namespace,
             )
         except OwtError as error:
             results[namespace] = error

@@ -188,7 +188,7 @@ def test_a_paused_and_resumed_run_gives_the_same_bag(
     domain: int, bag: Path, paused: str, reference: tuple[CaseRun, list[CaseBlocks]]
 ) -> None:
     """Twice, by deactivate and activate, while blocks are under way."""
-    case = short_case(stream={"rate": 20.0, "block": 5, "window": 2})
+    case = short_case(stream={"rate": 4.0, "block": 5, "window": 2})
     run = prepare_case(case)
     with LocalGraph(domain, case, bag) as graph:
         graph.start()
@@ -199,7 +199,7 @@ def test_a_paused_and_resumed_run_gives_the_same_bag(
             assert node._last_status.message == PAUSED
             graph.spin_for(0.3)
             stands = graph.nodes[POSTPROC].time_ns
-            graph.spin_for(0.5)  # ten seconds of simulated time at this rate
+            graph.spin_for(0.5)  # two seconds of simulated time at this rate
             assert graph.nodes[POSTPROC].time_ns == stands, "nothing moves"
             assert ask(node, "activate")
             assert node._last_status.message == ACTIVE
@@ -249,7 +249,14 @@ def test_a_pause_is_no_stall(domain: int, bag: Path, monkeypatch: pytest.MonkeyP
     pause = Pause(domain, 5.0)
     pause.thread.start()
     with nullcontext() if noticed else pytest.raises(OwtError, match=r"no progress for 2\.\d* s"):
-        run_graph(case, bag, domain_id=domain, timeouts=Timeouts(stall=2.0), progress=pause.on_progress)
+        run_graph(
+            case,
+            bag,
+            record="all",
+            domain_id=domain,
+            timeouts=Timeouts(stall=2.0),
+            progress=pause.on_progress,
+        )
     pause.thread.join()
     if noticed:
         assert pause.answers == [True, True]

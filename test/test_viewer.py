@@ -175,7 +175,9 @@ def test_a_viewer_that_dies_or_hangs_changes_nothing(tmp_path: Path, number: sig
                 reader.start()
                 strike = after(progress, 5.0, lambda: (viewer.signal(number), hit.append(progress[-1])))
                 began = time.monotonic()
-                result = run_graph(case, bag, domain_id=domain, progress=lambda t, _: progress.append(t))
+                result = run_graph(
+                    case, bag, record="all", domain_id=domain, progress=lambda t, _: progress.append(t)
+                )
                 strike.join()
             elapsed = time.monotonic() - began
         finally:

@@ -10,16 +10,16 @@ from pathlib import Path
 
 from owt_msgs.action import RunSeaState
 
+from owt_bringup.analysis import analyse
 from owt_bringup.graph import run_graph
-from owt_bringup.results import write_results
 from owt_bringup.sea_notes import case_warnings
 from owt_bringup.supervisor import NodeError
 from owt_model.config import CaseConfig, parse_case_text
 from owt_model.errors import ComputationError, InputError, OwtError, StreamError
 from owt_model.structure import Structure, case_structure
-from owt_postproc.bag_report import bag_report
 from owt_postproc.core.sn import sn_curve
 from owt_postproc.partial_folder import partial_path
+from owt_postproc.report import summary
 from owt_wave_node.sea_source import resolve_case
 
 __all__ = ["RECORDS", "CancelledError", "Outcome", "Speed", "check_case", "run_goal"]
@@ -131,8 +131,8 @@ def run_goal(
             should_stop=should_stop,
         )
         progress(case.time.duration_s, case.time.duration_s)
-        numbers = write_results(bag_report(result.bag), result.bag)
-        return Outcome(_Status.SUCCEEDED, "", str(bag), json.dumps(numbers, allow_nan=False))
+        data, _, _ = analyse(result.bag)
+        return Outcome(_Status.SUCCEEDED, "", str(bag), json.dumps(summary(data), allow_nan=False))
     except OwtError as error:
         message = " ".join(str(error).split())
         return Outcome(_status_of(error), message, _left(bag, before), "")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import fcntl
 import os
 import re
+import secrets
 import signal
 import subprocess
 import time
@@ -20,7 +21,7 @@ from pathlib import Path
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from owt_model.errors import InputError
-from owt_ros.process import PARENT_VARIABLE
+from owt_ros.process import PARENT_VARIABLE, TOKEN_VARIABLE
 
 __all__ = ["Child", "find_executable", "remove_shared_memory", "shared_memory_of", "stop_all"]
 
@@ -72,7 +73,8 @@ class Child:
     """
 
     def __init__(self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]) -> None:
-        self.name, self.log = name, log
+        self.name, self.log, self.token = name, log, secrets.token_hex(8)
+        own = {PARENT_VARIABLE: str(os.getpid()), TOKEN_VARIABLE: self.token}
         try:
             with log.open("wb") as output:
                 self._process = subprocess.Popen(
@@ -80,7 +82,7 @@ class Child:
                     stdin=subprocess.DEVNULL,
                     stdout=output,
                     stderr=subprocess.STDOUT,
-                    env={**environment, PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"},
+                    env={**environment, **own, "PYTHONUNBUFFERED": "1"},
                     start_new_session=True,
                 )
         except OSError as error:

@@ -21,7 +21,7 @@ from rclpy.signals import SignalHandlerOptions
 from owt_bringup.process import Child
 from owt_bringup.security import BRINGUP, enclave_arguments
 from owt_model.errors import OwtError, StreamError
-from owt_ros.lifecycle import ACTIVE, CONFIGURED, PAUSED
+from owt_ros.lifecycle import ACTIVE, CONFIGURED, PAUSED, STARTED
 from owt_ros.qos import qos_for
 from owt_ros.topics import POSTPROC, STATUS
 
@@ -77,6 +77,7 @@ class Supervisor:
         self._children, self._should_stop, self._namespace = children, should_stop, namespace
         self._place = f"ROS domain {domain}, namespace {namespace}"
         self.status: dict[str, NodeStatus] = {}
+        self._tokens: set[str] = set()
         self._context = Context()
         secured = enclave_arguments(BRINGUP)
         try:
@@ -99,7 +100,10 @@ class Supervisor:
         }
 
     def _on_status(self, message: Any) -> None:
-        self.status[message.node] = message
+        if message.message == STARTED:
+            self._tokens.add(message.result)
+        else:
+            self.status[message.node] = message
 
     def check(self) -> None:
         """Raise :class:`OwtError` for a node that failed or ended."""
@@ -136,7 +140,8 @@ class Supervisor:
         """
 
         def missing() -> list[str]:
-            return [name for name, client in self._change.items() if not client.service_is_ready()]
+            silent = {name for name, child in self._children.items() if child.token not in self._tokens}
+            return [n for n, client in self._change.items() if n in silent or not client.service_is_ready()]
 
         self.spin_until(
             lambda: not missing(), seconds, lambda: f"{', '.join(missing())} could not be reached"

@@ -7,6 +7,7 @@ running, into an error status, a diagnostic and a deactivation.
 
 from __future__ import annotations
 
+import os
 import time
 import traceback
 from collections.abc import Callable
@@ -29,15 +30,16 @@ from owt_ros.credits import Flow, flow_of
 from owt_ros.options import RATE_SUFFIX, NodeOptions
 from owt_ros.parameters import NodeParameters
 from owt_ros.peers import Peers
+from owt_ros.process import TOKEN_VARIABLE
 from owt_ros.qos import qos_for
 from owt_ros.streams import Inlet, Outlet
 from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, Topic
 from owt_ros.transitions import ManagedNode
 
-__all__ = ["ACTIVE", "CONFIGURED", "PAUSED", "StageNode"]
+__all__ = ["ACTIVE", "CONFIGURED", "PAUSED", "STARTED", "StageNode"]
 
 #: Messages of a status without an error: the state that the node has reached.
-CONFIGURED, ACTIVE, PAUSED = "configured", "active", "paused"
+STARTED, CONFIGURED, ACTIVE, PAUSED = "started", "configured", "active", "paused"
 #: Wall time in s between two reports of progress.
 REPORT_S = 0.05
 #: Timers run on wall time, also under ``use_sim_time``.
@@ -86,6 +88,8 @@ class StageNode(ManagedNode):
         self._waiting_since = self._reported = 0.0
         self._rate_from = (0.0, 0)
         self._status = self.create_publisher(NodeStatus, STATUS.name, qos_for(STATUS))
+        if token := os.environ.get(TOKEN_VARIABLE):
+            self._publish_status(NodeStatus.RUNNING, STARTED, token)
         self._diagnostics = self.create_publisher(DiagnosticArray, DIAGNOSTICS.name, qos_for(DIAGNOSTICS))
 
     # --- what a subclass implements ---------------------------------------------------------------

@@ -23,10 +23,12 @@ from rclpy.signals import SignalHandlerOptions
 
 from owt_model.errors import OwtError
 
-__all__ = ["PARENT_VARIABLE", "Interrupted", "Stop", "interruptible", "run", "stop"]
+__all__ = ["PARENT_VARIABLE", "TOKEN_VARIABLE", "Interrupted", "Stop", "interruptible", "run", "stop"]
 
 #: Environment variable with the process id of the bring-up.
 PARENT_VARIABLE = "OWT_PARENT_PID"
+#: Environment variable with a word by which the bring-up knows its own nodes from others of their name.
+TOKEN_VARIABLE = "OWT_NODE_TOKEN"
 #: Seconds after a signal until the kernel ends a process that hangs.
 GRACE_S = 8.0
 _PR_SET_PDEATHSIG = 1

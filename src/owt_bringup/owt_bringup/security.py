@@ -15,7 +15,17 @@ from owt_bringup.domain import full_namespace
 from owt_bringup.nodes import NODES
 from owt_ros import topics
 from owt_ros.peers import beacon
-from owt_ros.topics import CREDIT, DIAGNOSTICS, STATUS, STRUCTURE, TOWER_TOP_WRENCH, Topic
+from owt_ros.topics import (
+    CREDIT,
+    DIAGNOSTICS,
+    MEASURED_ELEVATION,
+    POSTPROC,
+    STATUS,
+    STRUCTURE,
+    TOWER_TOP_WRENCH,
+    WAVE,
+    Topic,
+)
 
 __all__ = ["BRINGUP", "SERVER", "Rights", "enclave", "enclave_arguments", "policy_xml", "rights"]
 
@@ -25,7 +35,9 @@ BRINGUP, SERVER = "owt_bringup", "bringup_node"
 ACTION, CHECK_CASE = "owt/run_sea_state", "owt/check_case"
 
 #: What takes part from outside, and the node that listens to it.
-_INPUTS: dict[Topic, str] = {TOWER_TOP_WRENCH: STRUCTURE}
+_INPUTS: dict[Topic, str] = {TOWER_TOP_WRENCH: STRUCTURE, MEASURED_ELEVATION: WAVE}
+#: Services of single nodes besides those that every managed node has.
+_SERVICES = {POSTPROC: ("owt/fatigue_summary", "owt/flush")}
 _PARAMETERS = (
     "describe_parameters", "get_parameter_types", "get_parameters", "get_type_description", "list_parameters",
     "set_parameters", "set_parameters_atomically",
@@ -75,7 +87,7 @@ def _stage_rights(name: str) -> Rights:
         publish=_sorted(publish, [t.name for t in (CREDIT, STATUS, DIAGNOSTICS)], [beacon(name)],
                         _EVERY_NODE, ["~transition_event"]),
         subscribe=_sorted(subscribe, [CREDIT.name], [beacon(role) for role in roles if role != name]),
-        reply=_sorted(f"~{service}" for service in (*_PARAMETERS, *_LIFECYCLE)),
+        reply=_sorted((f"~{service}" for service in (*_PARAMETERS, *_LIFECYCLE)), _SERVICES.get(name, ())),
     )  # fmt: skip
 
 

@@ -26,6 +26,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from local_graph import expected_messages, short_case
 from owt_bringup.domain import own_domain
+from owt_bringup.graph import node_environment
 from owt_bringup.nodes import NODES
 from owt_bringup.process import Child, find_executable, stop_all
 from owt_bringup.supervisor import Supervisor
@@ -111,7 +112,7 @@ def nodes(case: CaseConfig, folder: Path, domain: int) -> Iterator[dict[str, Chi
     parameters = folder / "parameters.yaml"
     parameters.write_text(parameter_yaml(case, {POSTPROC: {"bag": str(folder / "bag")}}))
     arguments = ["--ros-args", "--disable-external-lib-logs", "--params-file", str(parameters)]
-    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "RCUTILS_LOGGING_USE_STDOUT": "0"}
+    environment = node_environment(domain, folder)
     children: dict[str, Child] = {}
     try:
         for spec in NODES:

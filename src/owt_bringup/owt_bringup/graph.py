@@ -28,7 +28,7 @@ from owt_ros.parameters import parameter_yaml
 from owt_ros.topics import POSTPROC
 from owt_wave_node.sea_source import resolve_case
 
-__all__ = ["GraphResult", "Timeouts", "run_graph"]
+__all__ = ["GraphResult", "Timeouts", "node_environment", "run_graph"]
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def _signals(should_stop: Callable[[], None] | None) -> Iterator[Callable[[], No
             signal.signal(number, handler)
 
 
-def _environment(domain: int, folder: Path) -> dict[str, str]:
+def node_environment(domain: int, folder: Path) -> dict[str, str]:
     """Environment of the nodes: that of this process, in a domain of their own, on this machine only.
 
     The number of BLAS threads is inherited: as the nodes cut time into the same blocks as the run in one
@@ -232,7 +232,7 @@ def run_graph(
         parameters.write_text(parameter_yaml(case, options), encoding="utf-8")
         arguments = ["--ros-args", "--disable-external-lib-logs", "--params-file", str(parameters)]
         arguments += [] if namespace == "/" else ["--remap", f"__ns:={namespace}"]
-        environment = _environment(domain, folder)
+        environment = node_environment(domain, folder)
         try:
             for name, program in programs.items():
                 log = folder / f"{name}.log"

@@ -53,7 +53,8 @@ class Recorder:
 
     def __init__(self, bag: str, case: CaseConfig, *, overwrite: bool, selection: Selection) -> None:
         self._selection = selection
-        self._structure, self._model_name = case_structure(case.structure), case.structure.model
+        self._model_hash = case_structure(case.structure).content_hash
+        self._model_name = case.structure.model
         self._writer = BagWriter(bag, overwrite=overwrite)
         wanted = recorded(case)
         self.counts = {topic.label: 0 for topic in wanted}
@@ -145,7 +146,7 @@ class Recorder:
         message = deserialize_message(cdr, topic.message)
         check_numbers(message, topic)
         if hasattr(message, "model_hash"):
-            check_model(message, topic, self._structure, self._model_name)
+            check_model(message, topic, self._model_hash, self._model_name)
         if topic.kind is Kind.LATCHED and self.counts[topic.label]:
             raise StreamError(
                 f"a second message on {topic.label}: only one node may publish it, once for each run"

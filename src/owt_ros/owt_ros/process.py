@@ -10,6 +10,7 @@ does, however that happens.
 from __future__ import annotations
 
 import ctypes
+import gc
 import os
 import signal
 import sys
@@ -117,6 +118,7 @@ def run(
         executor = make_executor()
         node = make_node()
         executor.add_node(node)
+        gc.freeze()  # what lives as long as the node is not searched for cycles again and again
         while stop.signal is None:
             executor.spin_once(timeout_sec=0.1)
     except (Interrupted, ExternalShutdownException):

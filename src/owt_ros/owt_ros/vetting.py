@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 
 from owt_model.errors import StreamError
-from owt_model.structure import Structure
 from owt_ros import decode
 from owt_ros.topics import Topic
 
 __all__ = ["check_model", "check_numbers"]
 
 
-def check_model(message: Any, topic: Topic, structure: Structure, name: str) -> None:
+def check_model(message: Any, topic: Topic, own: str, name: str) -> None:
     """Refuse what belongs to another structure.
 
     Parameters
@@ -24,8 +23,8 @@ def check_model(message: Any, topic: Topic, structure: Structure, name: str) -> 
         With a ``model_hash``.
     topic : Topic
         That it came on.
-    structure : Structure
-        Of this node.
+    own : str
+        Content hash of this node's structure.
     name : str
         What the case calls it.
 
@@ -34,7 +33,6 @@ def check_model(message: Any, topic: Topic, structure: Structure, name: str) -> 
     StreamError
         If the hashes differ.
     """
-    own = structure.content_hash
     if message.model_hash != own:
         raise StreamError(
             f"{topic.label} belongs to model {message.model_hash[:12] or '(none)'}, this node has "

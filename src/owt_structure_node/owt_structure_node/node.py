@@ -32,6 +32,7 @@ class StructureNode(StageNode):
         """Read the structure."""
         self._case = case
         self._mesh = build_mesh(case_structure(case.structure))
+        self._model_hash = self._mesh.structure.content_hash
         self._queue: deque[LoadBlock] = deque()
         self._model: ResponseModel | None = None
         self._reduced = self.outlet(topics.REDUCED_MODEL)
@@ -80,7 +81,7 @@ class StructureNode(StageNode):
         return self._live is None or self._live.may_take(known=self._wrench.reach(load), time_ns=load.time_ns)
 
     def _check_model(self, message: Any, topic: Topic) -> None:
-        check_model(message, topic, self._mesh.structure, self._case.structure.model)
+        check_model(message, topic, self._model_hash, self._case.structure.model)
 
     def _on_model(self, message: Any) -> None:
         self._check_model(message, topics.MODEL)
@@ -118,8 +119,8 @@ class StructureNode(StageNode):
                 self._state, response = step(self._model, self._state, load, wrench)
             if self._top_out is not None and wrench is not None:
                 self._top_out.send(convert.tower_top_load_message(wrench))
-            self._modal.send(convert.modal_message(response.modal))
             self._stress.send(convert.stress_message(response.stress))
+            self._modal.send(convert.modal_message(response.modal))
             self._energy.send(convert.energy_message(response.energy))
             self._loads.acknowledge(load.sequence)
             self.report(time_ns=load.time_ns, done="{}" if load.last else None)

@@ -17,6 +17,8 @@ from owt_bringup.recompute import Recomputation, block_source, leaves_out
 from owt_campaign.pipeline import run_case
 from owt_model.contracts import Block
 from owt_model.errors import ComputationError, InputError
+from owt_model.structure import load_structure
+from owt_model.structure_text import structure_text
 from owt_postproc.bag_reader import decoded, read_bag
 from owt_postproc.bag_report import as_recorded, bag_case, bag_report
 from owt_postproc.bag_source import BagSource
@@ -110,6 +112,23 @@ def test_loads_that_the_case_does_not_give_are_named(whole: Path, tmp_path: Path
 
     with pytest.raises(ComputationError, match=r"/owt/nodal_loads, block 1: nodal \[.*\] is recorded as "):
         blocks_of(rewrite(whole.with_name("default"), tmp_path / "other", change))
+
+
+def test_a_structure_of_ones_own_is_in_the_bag(tmp_path: Path) -> None:
+    """Its file is gone: the bag runs again, and is read, as if it were there."""
+    file, bag = tmp_path / "mine.yaml", tmp_path / "run"
+    own = load_structure("oc4").model_copy(update={"name": "mine", "description": "a copy"})
+    file.write_text(structure_text(own))
+    assert load_structure(str(file)) == own
+    case = short_case(structure={"model": str(file), "reduction": "CB04M03"}, time={"n": 100})
+    run_graph(case, bag)
+    wanted = summary(run_case(case).report)["fatigue"]
+    file.unlink()
+    assert main(["simulate", "--from-bag", str(bag), "-o", str(tmp_path / "again")]) == 0
+    assert json.loads((tmp_path / "again" / "summary.json").read_text())["fatigue"] == wanted
+    assert summary(analyse(bag)[0])["fatigue"] == wanted
+    with pytest.raises(InputError, match=r"mine\.yaml"):  # negative control: without the bag there is none
+        run_case(case)
 
 
 def _without_wind(kind: str, content: Any) -> None:

@@ -12,7 +12,8 @@ from owt_model.config import CaseConfig
 from owt_model.contracts import Block, MeasuredBlock, WrenchBlock
 from owt_model.errors import ComputationError, InputError
 from owt_model.mesh import Mesh, build_mesh
-from owt_model.structure import case_structure
+from owt_model.structure import Structure, case_structure
+from owt_model.structure_text import structure_from_text
 from owt_postproc.bag_reader import PREFIX, decoded, to_block
 from owt_postproc.bag_report import bag_case
 from owt_postproc.bag_source import BagSource
@@ -20,7 +21,14 @@ from owt_ros.decode import to_reduced_model
 from owt_structure_node.core.tower_top import TowerTopLoad
 from owt_structure_node.wind_source import tower_top_load
 
-__all__ = ["RecordedRun", "comes_from_outside", "damping_load", "other_structure", "recorded_run"]
+__all__ = [
+    "RecordedRun",
+    "bag_structure",
+    "comes_from_outside",
+    "damping_load",
+    "other_structure",
+    "recorded_run",
+]
 
 
 @dataclass(frozen=True)
@@ -33,6 +41,8 @@ class RecordedRun:
         In the place of the file or the topic that brought it; None where the case alone gives it.
     measured : float array [time], optional
         Elevation in m that came live, as it was used; None of another case.
+    structure : Structure, optional
+        As it was; None of a bag that does not hold it.
     notes : tuple of str
         What has changed since.
     """
@@ -40,7 +50,20 @@ class RecordedRun:
     case: CaseConfig
     tower_top: TowerTopLoad | None = None
     measured: Float[np.ndarray, " time"] | None = None
+    structure: Structure | None = None
     notes: tuple[str, ...] = ()
+
+
+def bag_structure(bag: BagSource) -> Structure | None:
+    """Return the structure that a bag was made with; None of one that does not hold it.
+
+    Raises
+    ------
+    InputError
+        If this version cannot read it.
+    """
+    text = bag.files.attachments.get("structure.yaml")
+    return None if text is None else structure_from_text(text.decode(), source="structure.yaml in the bag")
 
 
 def comes_from_outside(case: CaseConfig) -> bool:
@@ -74,7 +97,7 @@ def recorded_run(bag: BagSource) -> RecordedRun:
     ComputationError
         If what came from outside has a gap.
     """
-    case = bag_case(bag)
+    case, structure = bag_case(bag), bag_structure(bag)
     outside = comes_from_outside(case)
     types = ["ModelDescription", *(("ReducedModel", "TowerTopLoad") if outside else ())]
     types += [] if case.live is None else ["MeasuredElevation"]
@@ -92,7 +115,7 @@ def recorded_run(bag: BagSource) -> RecordedRun:
             notes = to_reduced_model(message.content).notes
             wind = tuple(note for note in notes if note.startswith("wind: "))
         else:
-            mesh = build_mesh(case_structure(case.structure))
+            mesh = build_mesh(case_structure(case.structure, structure))
             changed = other_structure(case, mesh, message.content.model_hash)
             if not outside and case.live is None:
                 break
@@ -100,6 +123,7 @@ def recorded_run(bag: BagSource) -> RecordedRun:
         case,
         TowerTopLoad(_joined(bag, "wrench", blocks), notes=wind) if outside else None,
         None if case.live is None else _joined(bag, "elevation", measured),
+        structure,
         changed,
     )
 

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from owt_bringup.bag_case import damping_load, other_structure
+from owt_bringup.bag_case import bag_structure, damping_load, other_structure
 from owt_model.config import CaseConfig
 from owt_model.contracts import Block, EnergyBlock, LoadBlock, ModalBlock, StressBlock, WrenchBlock
 from owt_model.errors import ComputationError
 from owt_model.mesh import build_mesh
-from owt_model.structure import case_structure
+from owt_model.structure import Structure, case_structure
 from owt_postproc.bag_reader import PREFIX, BagMessage, decoded, to_block
 from owt_postproc.bag_report import BlockSource, as_recorded
 from owt_postproc.bag_source import BagSource
@@ -56,11 +56,16 @@ def leaves_out(bag: BagSource) -> bool:
 
 def block_source(bag: BagSource) -> BlockSource:
     """Return what gives the blocks of a bag: a :class:`Recomputation`, unless its messages are whole."""
-    return Recomputation() if leaves_out(bag) else as_recorded
+    return Recomputation(bag_structure(bag)) if leaves_out(bag) else as_recorded
 
 
 class Recomputation:
     """A block source that computes what the structure stage gives from the loads.
+
+    Parameters
+    ----------
+    structure : Structure, optional
+        That the bag was made with; by default the one that its case names.
 
     Attributes
     ----------
@@ -72,7 +77,8 @@ class Recomputation:
         Whether coordinates of modes are others than the recorded ones, of the same motion.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, structure: Structure | None = None) -> None:
+        self._structure = structure
         self.deviation = Deviation()
         self.notes: tuple[str, ...] = ()
         self._loads: deque[LoadBlock] = deque()
@@ -121,13 +127,13 @@ class Recomputation:
         if len(load.element):
             return load
         if self._waves is None:
-            self._waves = build_wave_stage(case, build_mesh(case_structure(case.structure)))
+            self._waves = build_wave_stage(case, build_mesh(case_structure(case.structure, self._structure)))
         again = self._waves.load_block(load.sequence)
         self.deviation.compare(place, load.sequence, "nodal", load.nodal, again.nodal)
         return again
 
     def _build(self, case: CaseConfig, basis: Any) -> None:
-        mesh = build_mesh(case_structure(case.structure))
+        mesh = build_mesh(case_structure(case.structure, self._structure))
         self.notes = other_structure(case, mesh, basis.model_hash)
         # a structure described anew is told by what it computes, not by its hash
         same = replace(to_load_basis(basis), model_hash=mesh.structure.content_hash)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
+from owt_bringup.bag_case import bag_structure
 from owt_bringup.recompute import RESPONSE, Recomputation, leaves_out
 from owt_model.contracts import Block
 from owt_model.errors import InputError
@@ -163,7 +164,8 @@ class ReplayPlan:
     def _whole(self, serialize: Callable[[Block], bytes]) -> Iterator[RawMessage]:
         """Messages with all that the bag leaves out."""
         types = {*NEEDED, *RESPONSE, *(topic.type_name for topic in self.topics.values())}
-        for message, block in Recomputation()(bag_case(self._bag), decoded(self._bag, types=types)):
+        again = Recomputation(bag_structure(self._bag))
+        for message, block in again(bag_case(self._bag), decoded(self._bag, types=types)):
             if message.topic not in self.topics:
                 continue
             if message.type_name in (f"{PREFIX}NodalLoads", *RESPONSE) and block is not None:

@@ -24,7 +24,7 @@ from owt_model.contracts import (
 )
 from owt_model.errors import InputError
 from owt_model.mesh import Mesh, build_mesh
-from owt_model.structure import case_structure
+from owt_model.structure import Structure, case_structure
 from owt_postproc.core import stage as fatigue_stage
 from owt_postproc.report_data import ReportCollector, ReportData, mesh_geometry
 from owt_structure_node.core import stage as response_stage
@@ -118,6 +118,7 @@ def prepare_case(
     *,
     measured: Float[np.ndarray, " time"] | None = None,
     tower_top: TowerTopLoad | None = None,
+    structure: Structure | None = None,
 ) -> CaseRun:
     """Build every stage of `case`; a sea in a file becomes one of components in the case that is returned.
 
@@ -129,6 +130,8 @@ def prepare_case(
         Elevation in m of a case with a live elevation, as a graph has used it.
     tower_top : TowerTopLoad, optional
         Load at the tower top in the place of the file or topic that the case names.
+    structure : Structure, optional
+        In the place of the one that the case names.
 
     Raises
     ------
@@ -137,7 +140,7 @@ def prepare_case(
     """
     clock = StageClock()
     case = resolve_case(case)
-    mesh = build_mesh(case_structure(case.structure))
+    mesh = build_mesh(case_structure(case.structure, structure))
     fatigue = fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members)
     clock.lap("model")
     tower_top = tower_top_load(case, mesh) if tower_top is None else tower_top
@@ -204,6 +207,7 @@ def run_case(
     progress: Callable[[float, float], None] | None = None,
     measured: Float[np.ndarray, " time"] | None = None,
     tower_top: TowerTopLoad | None = None,
+    structure: Structure | None = None,
 ) -> CaseResult:
     """Run one case from the sea to the damage.
 
@@ -217,7 +221,7 @@ def run_case(
         Provenance for the report.
     progress : callable, optional
         Called with the simulated time reached and the duration, in s.
-    measured, tower_top
+    measured, tower_top, structure
         See :func:`prepare_case`.
 
     Raises
@@ -227,7 +231,7 @@ def run_case(
     ComputationError
         If a result cannot be trusted.
     """
-    run = prepare_case(case, measured=measured, tower_top=tower_top)
+    run = prepare_case(case, measured=measured, tower_top=tower_top, structure=structure)
     collector = ReportCollector(run.response.description.tower_top_coordinate)
     kept: list[CaseBlocks] = []
     state = fatigue_stage.initial_state(run.fatigue)

@@ -343,8 +343,8 @@ def _text(path: Path, *, legacy: bool) -> str | None:
         return None
 
 
-def case_structure(config: StructureConfig) -> Structure:
-    """Load the structure of a case, with what the case changes in it.
+def case_structure(config: StructureConfig, given: Structure | None = None) -> Structure:
+    """Load the structure of a case, or take the one given, with what the case changes in it.
 
     Raises
     ------
@@ -352,8 +352,8 @@ def case_structure(config: StructureConfig) -> Structure:
         As :func:`load_structure`.
     """
     names = ("jacket_stiffness_factor", "static_state")
-    given = {name: getattr(config, name) for name in names if getattr(config, name) is not None}
-    return load_structure(config.model).model_copy(update=given)
+    changes = {name: getattr(config, name) for name in names if getattr(config, name) is not None}
+    return (given or load_structure(config.model)).model_copy(update=changes)
 
 
 def with_weights(structure: Structure) -> Structure:

@@ -17,20 +17,18 @@ from rclpy.serialization import deserialize_message, serialize_message
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
 from owt_postproc.core.running import RunningCount
-from owt_postproc.options import PostprocOptions
+from owt_postproc.options import PostprocOptions, selection_of
 from owt_postproc.recorder import Recorder
 from owt_ros import convert, decode, topics
 from owt_ros.lifecycle import StageNode
 from owt_ros.options import RATE_SUFFIX, is_mark
 from owt_ros.process import interruptible, run
-from owt_ros.selection import Selection
 from owt_ros.topics import Kind, Topic
 from owt_ros.wire import Head, peek_stamp, time_ns
 
 __all__ = ["PostprocNode", "main"]
 
-#: Nodes whose warnings are no marks: this one writes its own, and a viewer may come and go.
-UNMARKED = (topics.POSTPROC, topics.VIEWER)
+UNMARKED = (topics.POSTPROC, topics.VIEWER)  # no marks: own ones are written here, a viewer may come and go
 
 
 class PostprocNode(StageNode):
@@ -48,8 +46,7 @@ class PostprocNode(StageNode):
             raise InputError("bag", "", "is missing", "Give the folder to record into.")
         self._count = RunningCount(case)  # an unknown curve is refused before anything is recorded
         self._pending: deque[bytes] = deque()
-        everything, live = options.record == "all", case.live is not None
-        self._selection = Selection(everything=everything, ends=options.record_ends, loads=live)
+        self._selection = selection_of(options, case)
         self._recorder = Recorder(options.bag, case, overwrite=options.overwrite, selection=self._selection)
         self._fatigue = self.outlet(topics.FATIGUE)
         self._streams = {}

@@ -6,9 +6,11 @@ from typing import Literal
 
 from pydantic import Field
 
+from owt_model.config import CaseConfig
 from owt_ros.options import NodeOptions
+from owt_ros.selection import Selection
 
-__all__ = ["PostprocOptions"]
+__all__ = ["PostprocOptions", "selection_of"]
 
 
 class PostprocOptions(NodeOptions):
@@ -22,3 +24,9 @@ class PostprocOptions(NodeOptions):
     record_ends: int = Field(
         8, ge=0, le=100_000, description="member ends, the most used, whose stress the default keeps"
     )
+
+
+def selection_of(options: PostprocOptions, case: CaseConfig) -> Selection:
+    """What the bag of a case keeps: loads of a live elevation whole, as the case alone does not give them."""
+    everything, live = options.record == "all", case.live is not None
+    return Selection(everything=everything, ends=options.record_ends, loads=live)

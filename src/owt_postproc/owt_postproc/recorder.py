@@ -15,7 +15,8 @@ from rclpy.serialization import deserialize_message
 
 from owt_model.config import CaseConfig
 from owt_model.errors import OwtError, StreamError
-from owt_model.structure import case_structure
+from owt_model.structure import case_structure, load_structure
+from owt_model.structure_text import structure_text
 from owt_model.versions import versions
 from owt_postproc.bag import BagWriter
 from owt_ros import schema, topics
@@ -76,6 +77,8 @@ class Recorder:
                     type_hash=schema.type_hash(name),
                     latched=topic.kind is Kind.LATCHED,
                 )
+            structure = structure_text(load_structure(case.structure.model))
+            self._writer.attach("structure.yaml", "application/yaml", structure.encode())
             text = case.model_dump_json(indent=1) + "\n"
             self._writer.attach("case.json", "application/json", text.encode())
             self._writer.add_metadata("versions", versions())

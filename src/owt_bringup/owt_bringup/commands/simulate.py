@@ -74,6 +74,7 @@ def run(options: argparse.Namespace) -> int:
         progress=bar.callback,
         tower_top=None if recorded is None else recorded.tower_top,
         measured=None if recorded is None else recorded.measured,
+        structure=None if recorded is None else recorded.structure,
     )
     bar.close()
     data = result.report

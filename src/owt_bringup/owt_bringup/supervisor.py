@@ -29,7 +29,11 @@ __all__ = ["NodeError", "Supervisor"]
 
 RCLError = rclpy_implementation.RCLError
 
-_LABELS = {Transition.TRANSITION_CONFIGURE: CONFIGURED, Transition.TRANSITION_ACTIVATE: ACTIVE}
+_LABELS = {
+    Transition.TRANSITION_CONFIGURE: CONFIGURED,
+    Transition.TRANSITION_ACTIVATE: ACTIVE,
+    Transition.TRANSITION_CLEANUP: "cleaned up",
+}
 #: Seconds for which the reason of a refused transition is awaited.
 _REASON_S = 2.0
 #: Seconds for which the graph remembers a process that was killed, and a little more.

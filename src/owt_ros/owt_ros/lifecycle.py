@@ -170,8 +170,8 @@ class StageNode(ManagedNode):
         self._failed = True
         message = " ".join(message.split())
         self.get_logger().error(message)
+        self.diagnose(DiagnosticStatus.ERROR, message)  # first: the bring-up ends the recording on the status
         self._publish_status(NodeStatus.ERROR, message, "", kind)
-        self.diagnose(DiagnosticStatus.ERROR, message)
         if self.active:
             self._broken = message
             self.trigger_deactivate()

@@ -49,7 +49,7 @@ class FoxgloveClient:
         return first & 0x0F, self._stream.read(length)
 
     def message(self) -> tuple[str, int, bytes]:
-        """Return topic, time in ns and payload of the next message; subscribe to what is offered meanwhile."""
+        """Return topic, time in ns and payload of the next message; subscribe to what is offered."""
         while True:
             kind, data = self._frame()
             if kind == 1 and json.loads(data)["op"] == "advertise":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 import traceback
@@ -140,7 +141,8 @@ class ViewerNode(Node):
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the node."""
+    """Run the node, behind everything else that wants the processor."""
+    os.nice(10)
     return run(ViewerNode, arguments)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cached_property
 
 from rclpy.serialization import deserialize_message
 
@@ -12,7 +12,7 @@ from owt_model.contracts import ElevationBlock, FatigueBlock, ModalBlock, Stress
 from owt_ros import decode, topics
 from owt_ros.topics import Topic
 from owt_ros.wire import indices, peek_head
-from owt_viewer.playback import Pairing, Playhead
+from owt_viewer.playback import KEPT, Pairing, Playhead
 
 __all__ = ["WATCHED", "Feed", "Moment"]
 
@@ -48,16 +48,31 @@ class Moment:
     elevation_m: float | None = None
 
 
+@dataclass(frozen=True)
+class _Pair:
+    """Response and stress of the same samples, as they came; read once, when they are shown."""
+
+    start_ns: int
+    cdr: dict[Topic, bytes]
+
+    @cached_property
+    def blocks(self) -> tuple[ModalBlock, StressBlock, list[int]]:
+        modal, stress = (
+            deserialize_message(self.cdr[topic], topic.message)
+            for topic in (topics.MODAL_STATE, topics.MEMBER_STRESS)
+        )
+        modal.velocity = modal.acceleration = modal.displacement  # not shown, and left out of some recordings
+        return decode.to_modal(modal), decode.to_stress(stress), indices(stress.end).tolist()
+
+
 class Feed:
     """Takes serialised messages of :data:`WATCHED`, and gives the moment that is due."""
 
     def __init__(self) -> None:
         self._pairing, self._playhead = Pairing(), Playhead()
-        self._unread: dict[Topic, bytes] = {}
+        self._pairs: deque[_Pair] = deque(maxlen=KEPT)
+        self._unread_fatigue = b""
         self._elevation: deque[ElevationBlock] = deque(maxlen=_ELEVATIONS)
-        self._modal: ModalBlock | None = None
-        self._stress: StressBlock | None = None
-        self._stress_end: list[int] = []
         self._fatigue: FatigueBlock | None = None
 
     @property
@@ -74,15 +89,16 @@ class Feed:
             If it is no block of a stream.
         """
         if topic is topics.FATIGUE:
-            self._unread[topic] = cdr
+            self._unread_fatigue = cdr
         elif topic is topics.SURFACE_ELEVATION:
             self._elevation.append(decode.to_elevation(deserialize_message(cdr, topic.message)))
         else:
             head = peek_head(cdr, topic.label)
             pair = self._pairing.offer(topic, head, cdr)
             if pair is not None:
-                self._unread |= pair
-                self._playhead.arrive(head.time_ns, head.end_ns - round(head.dt * 1e9))
+                if self._playhead.arrive(head.time_ns, head.end_ns - round(head.dt * 1e9)):
+                    self._pairs.clear()
+                self._pairs.append(_Pair(head.time_ns, pair))
 
     def moment(self) -> Moment:
         """Read what has come, and return what is due.
@@ -92,20 +108,17 @@ class Feed:
         ComputationError
             If a message does not hold what it says.
         """
-        unread, self._unread = self._unread, {}
-        message: Any
-        for topic, cdr in unread.items():
-            message = deserialize_message(cdr, topic.message)
-            if topic is topics.FATIGUE:
-                self._fatigue = decode.to_fatigue(message, dt=1.0)  # damage alone is shown, no time of it
-            elif topic is topics.MODAL_STATE:
-                self._modal = _without_rates(message)
-            else:
-                self._stress, self._stress_end = decode.to_stress(message), indices(message.end).tolist()
+        if self._unread_fatigue:
+            message = deserialize_message(self._unread_fatigue, topics.FATIGUE.message)
+            self._unread_fatigue = b""
+            self._fatigue = decode.to_fatigue(message, dt=1.0)  # damage alone is shown, no time of it
         time_ns = self.time_ns
-        return Moment(
-            time_ns, self._modal, self._stress, self._stress_end, self._fatigue, self._elevation_at(time_ns)
-        )
+        elevation = self._elevation_at(time_ns)
+        if not self._pairs:
+            return Moment(time_ns, fatigue=self._fatigue, elevation_m=elevation)
+        shown = next((pair for pair in reversed(self._pairs) if pair.start_ns <= time_ns), self._pairs[0])
+        modal, stress, stress_end = shown.blocks
+        return Moment(time_ns, modal, stress, stress_end, self._fatigue, elevation)
 
     def _elevation_at(self, time_ns: int) -> float | None:
         """Elevation at the first gauge, of the sample nearest to a time; None where no block reaches it."""
@@ -114,9 +127,3 @@ class Feed:
             if 0 <= row < len(block.total) and len(block.gauge):
                 return float(block.total[row, 0])
         return None
-
-
-def _without_rates(message: Any) -> ModalBlock:
-    """Read the displacement alone: recordings may leave the rest out."""
-    message.velocity = message.acceleration = message.displacement
-    return decode.to_modal(message)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 import traceback
 from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.clock import Clock, ClockType
@@ -23,9 +24,11 @@ from owt_ros.qos import qos_for
 from owt_ros.topics import Kind, Topic
 from owt_viewer.cdr import marker_array
 from owt_viewer.feed import WATCHED, Feed
-from owt_viewer.live_server import LiveServer
 from owt_viewer.options import ViewerOptions
 from owt_viewer.picture import Picture
+
+if TYPE_CHECKING:
+    from owt_viewer.live_server import LiveServer
 
 __all__ = ["MARKERS", "ViewerNode", "main"]
 
@@ -33,6 +36,12 @@ MARKERS = Topic("owt/markers", MarkerArray, Kind.LATCHED, topics.VIEWER)
 #: Streams are watched without any guarantee: a lost block is one that is not shown.
 _NEWEST = QoSProfile(depth=2, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT)
 _DESCRIPTIONS = (topics.MODEL, topics.SEA_STATE, topics.LOAD_BASIS, topics.REDUCED_MODEL)
+
+
+def _serve(options: ViewerOptions) -> LiveServer:
+    from owt_viewer.live_server import LiveServer  # here: markers need no WebSocket library
+
+    return LiveServer(options.host, options.port)
 
 
 class ViewerNode(Node):
@@ -55,7 +64,7 @@ class ViewerNode(Node):
         self._feed = Feed()
         self._complaint, self._afresh = "", True
         self._shown, self._shown_at = (-1, -1, True), 0.0
-        self._server = LiveServer(options.host, options.port) if options.port else None
+        self._server = _serve(options) if options.port else None
         self._markers = self.create_publisher(MarkerArray, MARKERS.name, qos_for(MARKERS))
         self._diagnostics = self.create_publisher(
             DiagnosticArray, topics.DIAGNOSTICS.name, qos_for(topics.DIAGNOSTICS)
@@ -132,7 +141,8 @@ class ViewerNode(Node):
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the node."""
+    """Run the node, behind everything else that wants the processor."""
+    os.nice(10)
     return run(ViewerNode, arguments)
 
 

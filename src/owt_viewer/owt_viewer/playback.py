@@ -1,18 +1,24 @@
 """Which instant to show: blocks of samples arrive in steps, the picture moves with wall time.
 
-Pure bookkeeping. Only the newest block is kept. In a run at some rate it is played at the speed at
-which blocks follow each other; in a run at full speed the next block is there long before its end.
+Pure bookkeeping. A few blocks are kept. In a run at some rate they are played at the speed at which they
+follow each other; in a run at full speed the picture leaps from one of the newest to the next.
 """
 
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable
 
 from owt_ros.topics import Topic
 from owt_ros.wire import Head
 
-__all__ = ["Pairing", "Playhead"]
+__all__ = ["KEPT", "Pairing", "Playhead"]
+
+#: Blocks that are kept to be played.
+KEPT = 4
+#: Blocks whose arrival gives the speed.
+_ARRIVALS = 8
 
 
 class Pairing:
@@ -38,6 +44,10 @@ class Pairing:
 class Playhead:
     """Simulated time to show.
 
+    Blocks may come in bunches, so their speed is taken over several of them, and the time never jumps back
+    within a run: it goes at that speed, no further than the newest block reaches and no earlier than the
+    oldest one that is kept.
+
     Parameters
     ----------
     clock : callable
@@ -46,23 +56,34 @@ class Playhead:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._start = self._end = 0
-        self._arrived: float | None = None
-        self.speed = 1.0
+        self._arrivals: deque[tuple[float, int]] = deque(maxlen=_ARRIVALS)
+        self._spans: deque[tuple[int, int]] = deque(maxlen=KEPT)
+        self._at = 0.0
+        self._looked = 0.0
 
-    def arrive(self, start_ns: int, end_ns: int) -> None:
-        """Go to a block whose first and last samples are at `start_ns` and `end_ns` of simulated time."""
-        now = self._clock()
-        if self._arrived is not None and start_ns > self._start:
-            self.speed = (start_ns - self._start) * 1e-9 / max(now - self._arrived, 1e-6)
-        elif self._arrived is not None:
-            self.speed = 1.0  # another run has begun
-        self._start, self._end, self._arrived = start_ns, end_ns, now
+    @property
+    def speed(self) -> float:
+        """Simulated seconds per second of wall time; 1 until two blocks have come."""
+        (first, start), (last, end) = self._arrivals[0], self._arrivals[-1]
+        return (end - start) * 1e-9 / max(last - first, 1e-3) if end > start else 1.0
+
+    def arrive(self, start_ns: int, end_ns: int) -> bool:
+        """Know of a block with its first and last samples at these times; tell if a run begins."""
+        begins = not self._spans or start_ns <= self._spans[-1][0]
+        if begins:
+            self._arrivals.clear()
+            self._spans.clear()
+            self._at, self._looked = float(start_ns), self._clock()
+        self._arrivals.append((self._clock(), start_ns))
+        self._spans.append((start_ns, end_ns))
+        return begins
 
     @property
     def time_ns(self) -> int:
-        """Simulated time in ns that is due now, within the newest block; 0 before the first."""
-        if self._arrived is None:
+        """Simulated time in ns that is due now, within the blocks that are kept; 0 before the first."""
+        if not self._spans:
             return 0
-        passed = round((self._clock() - self._arrived) * self.speed * 1e9)
-        return min(self._start + passed, self._end)
+        now = self._clock()
+        due = self._at + (now - self._looked) * self.speed * 1e9
+        self._at, self._looked = min(max(due, float(self._spans[0][0])), float(self._spans[-1][1])), now
+        return round(self._at)

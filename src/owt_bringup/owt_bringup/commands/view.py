@@ -51,8 +51,7 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.domain import own_domain
     from owt_bringup.viewer import VIEWER_OPTIONS, describe_connection, viewer_arguments
     from owt_model.config import CaseConfig, load_case
-    from owt_ros.process import run as run_node
-    from owt_viewer.node import ViewerNode
+    from owt_viewer.node import main
 
     case = CaseConfig() if options.case is None else load_case(options.case)
     values = {name: getattr(options, name) for name in VIEWER_OPTIONS}
@@ -62,4 +61,4 @@ def run(options: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix="owt-view-") as folder:
         arguments = viewer_arguments(case, values, Path(folder), namespace=options.namespace)
         print(describe_connection(options.host, options.port), file=sys.stderr)
-        return run_node(ViewerNode, ["owt", *arguments])
+        return main(["owt", *arguments])

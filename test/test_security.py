@@ -74,7 +74,7 @@ def differences(watcher: Any, wanted: dict[str, Rights]) -> dict[str, Any]:
 @pytest.mark.graph
 def test_the_policy_is_what_the_nodes_do(domain: int, tmp_path: Path) -> None:
     """Every publisher, subscription, service and client of every node, with a load at the tower top."""
-    case, context = short_case(wind={"topic": {}}), Context()
+    case, context = short_case(wind={"topic": {}}, live={"place_m": [0.0, 0.0]}), Context()
     overrides = {kind.ROLE: {"lease_s": 60.0} for kind in NODES}
     names: dict[str, Any] = dict.fromkeys((WAVE, STRUCTURE, POSTPROC))
     with LocalGraph(domain, case, tmp_path / "bag", NODES, overrides) as graph:

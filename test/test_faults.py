@@ -255,6 +255,8 @@ def test_a_node_restarts_while_the_others_live(tmp_path: Path, domain: int) -> N
                 lambda: all(graph.status[n].code == NodeStatus.ERROR for n in others), 10.0, "nobody noticed"
             )
             children[STRUCTURE] = again(tmp_path, children, domain)
+            graph.status.clear()
+            watched.update(children)  # the new process is awaited by its token: the dead one is still known
             graph.await_services(60.0)
             graph.change_states(others, change.TRANSITION_CLEANUP, 30.0)
             graph.status.clear()

@@ -310,8 +310,8 @@ def test_without_the_graph_a_live_case_needs_its_record() -> None:
 
 def test_the_demo_runs_where_others_publish(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     monkeypatch.setenv("ROS_DOMAIN_ID", "42")
-    assert _domain_for_others(short_case()) is None
-    assert _domain_for_others(short_case(live={})) == 42
+    assert _domain_for_others(short_case(), "") is None
+    assert _domain_for_others(short_case(live={}), "") == 42
     assert "waiting for /owt/measured_elevation in ROS domain 42" in capsys.readouterr().err
-    assert _domain_for_others(case_of()) == 42
+    assert _domain_for_others(case_of(), "") == 42
     assert "/owt/measured_elevation and /owt/tower_top_wrench" in capsys.readouterr().err

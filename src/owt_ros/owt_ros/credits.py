@@ -1,7 +1,7 @@
 """Flow control: a producer keeps at most a window of blocks in flight, a consumer acknowledges each.
 
-In real time a producer waits for nobody: the window then says from where on a consumer is late, and the
-history of the transport how late it may be.
+In real time a producer waits for nobody who has begun: the window then says from where on a consumer is late,
+and the history of the transport how late it may be.
 Pure bookkeeping, no ROS: the node base wires it to ``/owt/credit``.
 """
 
@@ -84,8 +84,13 @@ class CreditWindow:
 
     @property
     def is_open(self) -> bool:
-        """Whether one more block may be sent."""
-        return not self._flow.waits or self.in_flight < self._flow.window
+        """Whether one more block may be sent.
+
+        In real time too a producer waits until every consumer has acknowledged something: only then is each
+        known to receive, since discovery ends on either side at a time of its own.
+        """
+        everyone = min(self._acknowledged.values(), default=1) > 0
+        return self.in_flight < self._flow.window or (everyone and not self._flow.waits)
 
     @property
     def behind(self) -> int:

@@ -162,8 +162,8 @@ class Inlet:
             self._handler(message)
 
     def acknowledge(self, sequence: int) -> None:
-        """Give credit for all blocks up to `sequence`; in real time for some at a time."""
-        if (sequence + 1) % self._every and not self.guard.finished:
+        """Give credit for all blocks up to `sequence`; in real time for the first, then some at a time."""
+        if sequence and (sequence + 1) % self._every and not self.guard.finished:
             return
         self._acknowledge.publish(
             Credit(consumer=self._consumer, topic=self.topic.label, sequence=int(sequence))

@@ -19,16 +19,22 @@ def test_in_real_time_nobody_waits_and_who_is_late_is_known() -> None:
     case = parse_case({"stream": {"rate": 2.0, "block": 10, "window": 3, "late_s": 2.2}})
     assert flow_of(case) == Flow(3, 8, waits=False, every=1)
     credit = CreditWindow(flow_of(case), ["a", "b"])  # a block lasts 0.5 s of wall time: five are kept
+    credit.send(0)
+    credit.acknowledge("a", 0)
+    for sequence in (1, 2):
+        credit.send(sequence)
+    assert not credit.is_open, "b may not have been discovered yet"
+    credit.acknowledge("b", 0)
     lateness = []
-    for sequence in range(12):
+    for sequence in range(3, 13):
         assert credit.is_open
         credit.send(sequence)
         credit.acknowledge("a", sequence)
         lateness.append((credit.behind, credit.lost))
     assert credit.slowest == "b"
-    assert lateness[:4] == [(0, 0), (0, 0), (0, 0), (1, 0)]
-    assert lateness[7:9] == [(5, 0), (6, 1)]
-    credit.acknowledge("b", 11)
+    assert lateness[:2] == [(0, 0), (1, 0)]
+    assert lateness[5:7] == [(5, 0), (6, 1)]
+    credit.acknowledge("b", 12)
     assert (credit.behind, credit.lost) == (0, 0)
 
 

@@ -4,8 +4,12 @@ import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from owt_campaign.pipeline import CaseBlocks, CaseRun
 
 # before the first message class is imported: wrong types are then errors that name the field
 os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
@@ -32,3 +36,19 @@ def domain() -> Iterator[int]:
 
     with own_domain() as number:
         yield number
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    """A bag that is not there yet."""
+    return tmp_path / "bag"
+
+
+@pytest.fixture(scope="session")
+def reference() -> "tuple[CaseRun, list[CaseBlocks]]":
+    """The short case in one process."""
+    from local_graph import short_case
+    from owt_campaign.pipeline import prepare_case, stream_case
+
+    run = prepare_case(short_case())
+    return run, list(stream_case(run))

@@ -13,32 +13,26 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 from lifecycle_msgs.msg import Transition
 from owt_msgs.msg import NodeStatus
-from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from local_graph import expected_messages, short_case
+from local_graph import expected_bytes, node_processes, short_case
 from owt_bringup.domain import own_domain
 from owt_bringup.graph import node_environment
-from owt_bringup.nodes import NODES
-from owt_bringup.process import Child, find_executable, stop_all
+from owt_bringup.process import Child
 from owt_bringup.supervisor import Supervisor
-from owt_campaign.pipeline import prepare_case, stream_case
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
 from owt_postproc.bag_recovery import recover_report
-from owt_ros.cdr import canonical
 from owt_ros.lifecycle import CONFIGURED
-from owt_ros.parameters import parameter_yaml
-from owt_ros.selection import Selection
-from owt_ros.topics import POSTPROC, STRUCTURE, WAVE, recorded
+from owt_ros.topics import POSTPROC, STRUCTURE, WAVE
 
 PHASES = ("start", "configure", "run", "closing")
 #: Seconds in which survivors must have noticed.
@@ -93,36 +87,6 @@ def trial_case(seed: int) -> CaseConfig:
     )
 
 
-def reference(case: CaseConfig) -> dict[str, list[bytes]]:
-    """What the bag of a whole run holds, byte for byte, by topic."""
-    run = prepare_case(case)
-    selection, topics = Selection(everything=False, ends=8), {t.label: t for t in recorded(case)}
-    selection.learn(run.response.description)
-    return {
-        label: [
-            canonical(type(m), selection.of(topics[label], bytes(serialize_message(m)))) for m in expected
-        ]
-        for label, expected in expected_messages(run, list(stream_case(run))).items()
-    }
-
-
-@contextmanager
-def nodes(case: CaseConfig, folder: Path, domain: int) -> Iterator[dict[str, Child]]:
-    """Start the three processes."""
-    parameters = folder / "parameters.yaml"
-    parameters.write_text(parameter_yaml(case, {POSTPROC: {"bag": str(folder / "bag")}}))
-    arguments = ["--ros-args", "--disable-external-lib-logs", "--params-file", str(parameters)]
-    environment = node_environment(domain, folder)
-    children: dict[str, Child] = {}
-    try:
-        for spec in NODES:
-            program = [str(find_executable(spec.package, spec.name)), *arguments]
-            children[spec.name] = Child(spec.name, program, folder / f"{spec.name}.log", environment)
-        yield children
-    finally:
-        stop_all(children.values())
-
-
 class Killer:
     """Kills one process when its time has come."""
 
@@ -144,7 +108,7 @@ class Killer:
 def run_trial(number: int, victim: str, phase: str, folder: Path) -> Trial:
     """Run one graph and kill `victim` at a random time of `phase`."""
     rng, case, began = random.Random(1000 * number + 7), trial_case(number), time.monotonic()
-    with own_domain() as domain, nodes(case, folder, domain) as children:
+    with own_domain() as domain, node_processes(case, folder, node_environment(domain, folder)) as children:
         watched = dict(children)
         killer = Killer(children[victim])
         with Supervisor(domain, watched, killer.look) as graph:
@@ -213,7 +177,7 @@ def _recover(folder: Path, case: CaseConfig) -> tuple[int, int, bool]:
     with Reader(folder / "recovered") as reader:
         for connection, _, raw in reader.messages():
             found.setdefault(connection.topic, []).append(bytes(raw))
-    wanted = reference(case)
+    wanted = expected_bytes(case)
     exact = all(found.get(label, []) == whole[: len(found.get(label, []))] for label, whole in wanted.items())
     blocks = len(found.get("/owt/member_stress", []))
     substeps = case.substeps

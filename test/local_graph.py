@@ -2,8 +2,8 @@
 
 import gc
 import time
-from collections.abc import Callable, Iterable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +15,23 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from owt_campaign.pipeline import CaseBlocks, CaseRun
+from owt_bringup.nodes import NODES as BRING_UP_NODES
+from owt_bringup.process import Child, find_executable, stop_all
+from owt_campaign.pipeline import CaseBlocks, CaseRun, prepare_case, stream_case
 from owt_model.config import CaseConfig, parse_case
 from owt_postproc.node import PostprocNode
 from owt_ros import convert
+from owt_ros.cdr import canonical
 from owt_ros.fields import case_values
 from owt_ros.lifecycle import StageNode
+from owt_ros.parameters import parameter_yaml
 from owt_ros.qos import qos_for
-from owt_ros.topics import DIAGNOSTICS, RECORDED, STATUS, Topic
+from owt_ros.selection import Selection
+from owt_ros.topics import DIAGNOSTICS, RECORDED, STATUS, Topic, recorded
 from owt_structure_node.node import StructureNode
 from owt_wave_node.node import WaveNode
 
@@ -169,6 +175,44 @@ def expected_messages(run: CaseRun, blocks: list[CaseBlocks]) -> dict[str, list[
         "/owt/energy": [convert.energy_message(b.energy) for b in blocks],
         "/owt/fatigue": [convert.fatigue_message(b.fatigue) for b in blocks],
     }
+
+
+def expected_bytes(case: CaseConfig, *, everything: bool = False) -> dict[str, list[bytes]]:
+    """What the bag of a case must hold, byte for byte, by topic."""
+    run = prepare_case(case)
+    selection, topics = Selection(everything=everything, ends=8), {t.label: t for t in recorded(case)}
+    selection.learn(run.response.description)
+
+    def kept(label: str, message: Any) -> bytes:
+        cdr = bytes(serialize_message(message))
+        return canonical(type(message), selection.of(topics[label], cdr, message))
+
+    expected = expected_messages(run, list(stream_case(run)))
+    return {label: [kept(label, message) for message in found] for label, found in expected.items()}
+
+
+def start_node(name: str, folder: Path, environment: dict[str, str], *arguments: str) -> Child:
+    """Start a node whose parameter file lies in `folder`."""
+    package = next(node.package for node in BRING_UP_NODES if node.name == name)
+    ros = ["--ros-args", "--params-file", str(folder / "parameters.yaml"), *arguments]
+    command = [str(find_executable(package, name)), *ros]
+    return Child(name, command, folder / f"{name}.log", environment)
+
+
+@contextmanager
+def node_processes(
+    case: CaseConfig, folder: Path, environment: dict[str, str], *arguments: str
+) -> Iterator[dict[str, Child]]:
+    """The nodes as anybody may start them, without the bring-up; they record into the folder ``bag``."""
+    parameters = parameter_yaml(case, {PostprocNode.ROLE: {"bag": str(folder / "bag")}})
+    (folder / "parameters.yaml").write_text(parameters)
+    children: dict[str, Child] = {}
+    try:
+        for node in BRING_UP_NODES:
+            children[node.name] = start_node(node.name, folder, environment, *arguments)
+        yield children
+    finally:
+        stop_all(children.values())
 
 
 def read_by_rosbags(bag: Path) -> dict[str, list[Any]]:

@@ -6,16 +6,11 @@ from typing import Any
 import pytest
 from mcap.records import Attachment, Channel, Chunk, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
-from rclpy.serialization import serialize_message
 from rosbags.rosbag2 import Reader
 
-from local_graph import expected_messages, short_case
+from local_graph import expected_bytes, short_case
 from owt_bringup.graph import run_graph
-from owt_campaign.pipeline import prepare_case, stream_case
-from owt_model.config import CaseConfig
-from owt_ros.cdr import canonical
-from owt_ros.selection import Selection
-from owt_ros.topics import MEMBER_STRESS, recorded
+from owt_ros.topics import MEMBER_STRESS
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
 
@@ -43,19 +38,6 @@ def messages(bag: Path) -> dict[str, list[bytes]]:
     return found
 
 
-def in_process(case: CaseConfig, *, everything: bool) -> dict[str, list[bytes]]:
-    """What the bag of a case must hold, byte for byte."""
-    run = prepare_case(case)
-    selection, topics = Selection(everything=everything, ends=8), {t.label: t for t in recorded(case)}
-    selection.learn(run.response.description)
-    return {
-        label: [
-            canonical(type(m), selection.of(topics[label], bytes(serialize_message(m)))) for m in expected
-        ]
-        for label, expected in expected_messages(run, list(stream_case(run))).items()
-    }
-
-
 @pytest.mark.parametrize("record", ["default", "all"])
 def test_two_runs_and_the_run_in_one_process_give_the_same_bytes(tmp_path: Path, record: str) -> None:
     case = short_case(wave={"order": 2}, stream={"block": 20})
@@ -65,16 +47,16 @@ def test_two_runs_and_the_run_in_one_process_give_the_same_bytes(tmp_path: Path,
     one, two = map(recording, bags)
     assert one == two
     assert len([entry for entry in one if entry and isinstance(entry[0], tuple)]) >= 2, "several chunks"
-    found, wanted = messages(bags[0]), in_process(case, everything=record == "all")
+    found, wanted = messages(bags[0]), expected_bytes(case, everything=record == "all")
     for label, expected in wanted.items():
         assert found[label] == expected, label
-    kept = in_process(case, everything=record != "all")
+    kept = expected_bytes(case, everything=record != "all")
     assert found[MEMBER_STRESS.label] != kept[MEMBER_STRESS.label], "the other choice differs"
 
 
 def test_another_seed_gives_other_bytes(tmp_path: Path) -> None:
     first, second = (short_case(sea_state={"hs_m": 2.0, "tp_s": 8.0, "seed": seed}) for seed in (3, 4))
     run_graph(first, tmp_path / "bag")
-    found, other = messages(tmp_path / "bag"), in_process(second, everything=False)
+    found, other = messages(tmp_path / "bag"), expected_bytes(second, everything=False)
     same = [label for label, expected in other.items() if found[label] == expected]
     assert set(same) <= {"/owt/model"}, "what the sea changes differs"

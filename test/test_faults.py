@@ -11,11 +11,12 @@ import pytest
 from lifecycle_msgs.msg import Transition
 from owt_msgs.msg import Credit, NodeStatus
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message, serialize_message
 from rosgraph_msgs.msg import Clock
 
-from fault_trials import PHASES, nodes, run_trial, trial_case
-from local_graph import LocalGraph, expected_messages, read_by_rosbags, short_case
-from owt_bringup.graph import run_graph
+from fault_trials import PHASES, run_trial, trial_case
+from local_graph import LocalGraph, expected_messages, node_processes, read_by_rosbags, short_case, start_node
+from owt_bringup.graph import node_environment, run_graph
 from owt_bringup.process import Child
 from owt_bringup.supervisor import Supervisor
 from owt_campaign.pipeline import CaseBlocks, CaseRun, prepare_case, stream_case
@@ -30,13 +31,6 @@ from owt_structure_node.node import StructureNode
 from owt_wave_node.node import WaveNode
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(240)]
-
-
-@pytest.fixture(scope="module")
-def reference() -> tuple[CaseRun, list[CaseBlocks]]:
-    """The case of the tests in one process."""
-    run = prepare_case(short_case())
-    return run, list(stream_case(run))
 
 
 @pytest.mark.parametrize(("number", "victim", "phase"), [(100, WAVE, "run"), (101, POSTPROC, "closing")])
@@ -204,8 +198,6 @@ def test_garbage_in_each_message_is_an_error(
 
 def graph_copy(topic: Topic, message: Any) -> Any:
     """Copy a message through its bytes."""
-    from rclpy.serialization import deserialize_message, serialize_message
-
     return deserialize_message(bytes(serialize_message(message)), topic.message)
 
 
@@ -240,7 +232,8 @@ def test_a_node_restarts_while_the_others_live(tmp_path: Path, domain: int) -> N
     """Killed mid-run and started anew: after cleanup and configure the graph runs, with the right numbers."""
     case = trial_case(5)
     change = Transition()
-    with nodes(case, tmp_path, domain) as children:
+    environment = node_environment(domain, tmp_path)
+    with node_processes(case, tmp_path, environment) as children:
         watched = dict(children)
         with Supervisor(domain, watched, lambda: None) as graph:
             graph.await_services(60.0)
@@ -254,7 +247,7 @@ def test_a_node_restarts_while_the_others_live(tmp_path: Path, domain: int) -> N
             graph.spin_until(
                 lambda: all(graph.status[n].code == NodeStatus.ERROR for n in others), 10.0, "nobody noticed"
             )
-            children[STRUCTURE] = again(tmp_path, children, domain)
+            children[STRUCTURE] = start_node(STRUCTURE, tmp_path, environment)
             graph.status.clear()
             watched.update(children)  # the new process is awaited by its token: the dead one is still known
             graph.await_services(60.0)
@@ -277,18 +270,3 @@ def bring_up(graph: Supervisor, names: list[str]) -> None:
     graph.change_states(names, Transition.TRANSITION_CONFIGURE, 60.0)
     for name in names:
         graph.change_states([name], Transition.TRANSITION_ACTIVATE, 60.0)
-
-
-def again(folder: Path, children: dict[str, Child], domain: int) -> Child:
-    """Start the structure node once more."""
-    from owt_bringup.process import find_executable
-
-    program = str(find_executable("owt_structure_node", STRUCTURE))
-    arguments = [
-        "--ros-args",
-        "--disable-external-lib-logs",
-        "--params-file",
-        str(folder / "parameters.yaml"),
-    ]
-    environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "RCUTILS_LOGGING_USE_STDOUT": "0"}
-    return Child(STRUCTURE, [program, *arguments], folder / "again.log", environment)

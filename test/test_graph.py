@@ -18,18 +18,16 @@ import yaml
 from lifecycle_msgs.msg import Transition
 from owt_msgs.msg import NodeStatus
 
-from local_graph import assert_messages_equal, expected_messages, read_by_rosbags, short_case
+from local_graph import assert_messages_equal, expected_messages, node_processes, read_by_rosbags, short_case
 from owt_bringup.domain import own_domain
 from owt_bringup.graph import Timeouts, run_graph
-from owt_bringup.nodes import NODES
-from owt_bringup.process import Child, find_executable, stop_all
+from owt_bringup.process import Child, find_executable
 from owt_bringup.supervisor import Supervisor
 from owt_bringup.transport import shared_memory_profile
 from owt_campaign.pipeline import prepare_case, stream_case
 from owt_model.config import parse_case
 from owt_model.errors import InputError, OwtError
 from owt_postproc.bag_reader import read_files
-from owt_ros.parameters import parameter_yaml
 from owt_ros.topics import POSTPROC, RECORDED, STRUCTURE, WAVE
 
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(180)]
@@ -173,26 +171,12 @@ def started_graph(
 
     Yields the supervisor, the processes, and those of them that it watches.
     """
-    file = folder / "parameters.yaml"
-    file.write_text(parameter_yaml(case, {POSTPROC: {"bag": str(folder / "bag")}}))
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-    arguments = ["--ros-args", "--params-file", str(file)]
-    children = {
-        spec.name: Child(
-            spec.name,
-            [str(find_executable(spec.package, spec.name)), *arguments],
-            folder / f"{spec.name}.log",
-            environment,
-        )
-        for spec in NODES
-    }
-    watched = dict(children)
-    try:
+    with node_processes(case, folder, environment) as children:
+        watched = dict(children)
         with Supervisor(domain, watched, lambda: None) as graph:
             graph.await_services(60.0)
             yield graph, children, watched
-    finally:
-        stop_all(children.values())
 
 
 def activate(graph: Supervisor, children: dict[str, Child]) -> None:

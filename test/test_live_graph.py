@@ -42,11 +42,6 @@ GAUGE = (12.0, 5.0)
 DROP_OUT = (5.0, 6.5)
 
 
-@pytest.fixture
-def bag(tmp_path: Path) -> Path:
-    return tmp_path / "bag"
-
-
 def case_of(rate: float = 10.0, wind: dict[str, Any] | None = None, **live: Any) -> CaseConfig:
     """12 s in six blocks, both inputs from outside."""
     wrench = {"missing": "hold", "max_gap_s": 0.5, "reorder_s": 0.4, "timeout_s": 20.0, **(wind or {})}

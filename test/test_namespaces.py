@@ -17,23 +17,19 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from local_graph import assert_messages_equal, expected_messages, read_by_rosbags, short_case
+from local_graph import assert_messages_equal, expected_messages, node_processes, read_by_rosbags, short_case
 from owt_bringup import supervisor
 from owt_bringup.domain import full_namespace, own_place
 from owt_bringup.graph import run_graph
-from owt_bringup.nodes import NODES
 from owt_bringup.process import (
     Child,
-    find_executable,
     remove_shared_memory,
     shared_memory_of,
-    stop_all,
 )
 from owt_bringup.supervisor import NodeError, Supervisor
 from owt_campaign.pipeline import prepare_case, stream_case
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
-from owt_ros.parameters import parameter_yaml
 from owt_ros.qos import qos_for
 from owt_ros.topics import CLOCK, CREDIT, DIAGNOSTICS, POSTPROC, RECORDED, STATUS, STRUCTURE, WAVE
 
@@ -168,23 +164,9 @@ def processes(
 ) -> Iterator[dict[str, Child]]:
     """The nodes as anybody else may start them: without the bring-up."""
     folder.mkdir()
-    file = folder / "parameters.yaml"
-    file.write_text(parameter_yaml(case, {POSTPROC: {"bag": str(folder / "bag")}}))
     environment = {**os.environ, "ROS_DOMAIN_ID": str(domain)}
-    arguments = ["--ros-args", "--params-file", str(file), "-r", f"__ns:={namespace}"]
-    children = {
-        spec.name: Child(
-            spec.name,
-            [str(find_executable(spec.package, spec.name)), *arguments],
-            folder / f"{spec.name}.log",
-            environment,
-        )
-        for spec in NODES
-    }
-    try:
+    with node_processes(case, folder, environment, "-r", f"__ns:={namespace}") as children:
         yield children
-    finally:
-        stop_all(children.values())
 
 
 def test_nodes_of_somebody_else_in_the_same_place_are_noticed(

@@ -26,18 +26,6 @@ from owt_wave_node.node import WaveNode
 pytestmark = [pytest.mark.graph, pytest.mark.timeout(120)]
 
 
-@pytest.fixture(scope="module")
-def reference() -> tuple[CaseRun, list[CaseBlocks]]:
-    """The same case in one process."""
-    run = prepare_case(short_case())
-    return run, list(stream_case(run))
-
-
-@pytest.fixture
-def bag(tmp_path: Path) -> Path:
-    return tmp_path / "bag"
-
-
 @pytest.mark.parametrize("window", [1, 4])
 def test_every_message_equals_the_run_in_one_process(
     domain: int, bag: Path, reference: tuple[CaseRun, list[CaseBlocks]], window: int

@@ -48,18 +48,6 @@ LEGAL = {
 }
 
 
-@pytest.fixture(scope="module")
-def reference() -> tuple[CaseRun, list[CaseBlocks]]:
-    """The same case in one process."""
-    run = prepare_case(short_case())
-    return run, list(stream_case(run))
-
-
-@pytest.fixture
-def bag(tmp_path: Path) -> Path:
-    return tmp_path / "bag"
-
-
 def state_of(node: StageNode) -> str:
     return str(node._state_machine.current_state[1])
 

@@ -61,11 +61,6 @@ class Watched(LocalGraph):
         return [s.message for array in self.diagnostics for s in array.status if s.name == VIEWER]
 
 
-@pytest.fixture
-def bag(tmp_path: Path) -> Path:
-    return tmp_path / "bag"
-
-
 def points_of(picture: MarkerArray, name: str) -> np.ndarray:
     chosen = [
         marker for marker in picture.markers if marker.ns == name and marker.type != Marker.TEXT_VIEW_FACING

@@ -58,11 +58,6 @@ STAMPS = [
 WRENCHES = np.random.default_rng(4).standard_normal((len(STAMPS), 6)) * [4e5, 4e5, 1e5, 2e6, 2e6, 5e5]
 
 
-@pytest.fixture
-def bag(tmp_path: Path) -> Path:
-    return tmp_path / "bag"
-
-
 def case_of(wind: dict[str, Any], **changes: Any) -> CaseConfig:
     """6 s in three blocks, the last one shorter."""
     return short_case(wind=wind, **{"time": {"n": 60}, "stream": {"block": 25}, **changes})

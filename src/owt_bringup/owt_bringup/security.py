@@ -37,7 +37,7 @@ ACTION, CHECK_CASE = "owt/run_sea_state", "owt/check_case"
 #: What takes part from outside, and the node that listens to it.
 _INPUTS: dict[Topic, str] = {TOWER_TOP_WRENCH: STRUCTURE, MEASURED_ELEVATION: WAVE}
 #: Services of single nodes besides those that every managed node has.
-_SERVICES = {POSTPROC: ("owt/fatigue_summary", "owt/flush")}
+_SERVICES = {POSTPROC: (topics.FATIGUE_SUMMARY, topics.FLUSH)}
 _PARAMETERS = (
     "describe_parameters", "get_parameter_types", "get_parameters", "get_type_description", "list_parameters",
     "set_parameters", "set_parameters_atomically",

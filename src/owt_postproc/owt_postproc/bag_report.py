@@ -13,7 +13,7 @@ from owt_model.contracts import Block, ReducedDescription, StressBlock, sea_fact
 from owt_model.errors import InputError
 from owt_postproc.bag_reader import PREFIX, BagMessage, decoded, to_block
 from owt_postproc.bag_source import BagSource
-from owt_postproc.core.stage import build_fatigue_model, final, initial_state, step
+from owt_postproc.core.running import RunningCount
 from owt_postproc.fatigue_check import FatigueCheck
 from owt_postproc.report_data import Geometry, ReportCollector, ReportData
 from owt_ros.decode import is_whole, to_reduced_model
@@ -119,7 +119,7 @@ class _Reading:
     """Where the reading of a bag stands; blocks wait for the description of the reduced model."""
 
     def __init__(self, case: CaseConfig, check: FatigueCheck) -> None:
-        self._case, self._check = case, check
+        self._case, self._check, self._fatigue = case, check, RunningCount(case)
         self._reduced: ReducedDescription | None = None
         self._geometry: Geometry | None = None
         self._sea: dict[str, Any] = {}
@@ -136,8 +136,7 @@ class _Reading:
         elif kind == "ReducedModel" and self._reduced is None:
             self._reduced = to_reduced_model(content)
             self._collector = ReportCollector(self._reduced.tower_top_coordinate)
-            self._model = build_fatigue_model(self._case, len(self._reduced.end_name))
-            self._state = initial_state(self._model)
+            self._fatigue.learn(self._reduced)
         if block is not None:
             self._waiting.append(block)
         if self._reduced is not None:
@@ -148,19 +147,18 @@ class _Reading:
     def _count(self, block: Block) -> None:
         self._collector.add(block)
         if isinstance(block, StressBlock):
-            self._state, counted = step(self._model, self._state, block)
-            self._check.counted(counted)
+            self._check.counted(self._fatigue.count(block))
 
     def finish(self, bag: BagSource, versions: Mapping[str, str]) -> ReportData:
         if self._reduced is None:
             raise InputError(
                 "bag", str(bag.path), "holds no reduced model", "The recording ended before its first block."
             )
-        self._check.finish(complete=self._state.closed)
+        self._check.finish(complete=self._fatigue.is_closed)
         return self._collector.finish(
             case=self._case.model_dump(mode="json"),
             reduced=self._reduced,
-            fatigue=final(self._model, self._state),
+            fatigue=self._fatigue.result(),
             geometry=self._geometry,
             sea_state=self._sea,
             versions=versions,

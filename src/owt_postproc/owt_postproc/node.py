@@ -57,8 +57,8 @@ class PostprocNode(StageNode):
                 self.inlet(topic, partial(self._on_event, topic), raw=True)
             elif topic is not topics.FATIGUE:
                 self._streams[topic] = self.inlet(topic, partial(self._on_data, topic), raw=True)
-        self.serve(FatigueSummary, "owt/fatigue_summary", self._summarise)
-        self.serve(Flush, "owt/flush", self._flush)
+        self.serve(FatigueSummary, topics.FATIGUE_SUMMARY, self._summarise)
+        self.serve(Flush, topics.FLUSH, self._flush)
 
     def _record(self, topic: Topic, cdr: bytes, at_ns: int, *, last: bool = False) -> None:
         if self._recorder is not None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from pathlib import Path
+from typing import Any
 
 from rclpy.serialization import deserialize_message
 
@@ -59,7 +60,7 @@ class Recorder:
         self._writer = BagWriter(bag, overwrite=overwrite)
         wanted = recorded(case)
         self.counts = {topic.label: 0 for topic in wanted}
-        self._held: dict[Topic, deque[tuple[bytes, int]]] = {topic: deque() for topic in wanted}
+        self._held: dict[Topic, deque[tuple[bytes, Any, int]]] = {topic: deque() for topic in wanted}
         self._latched = [topic for topic in wanted if topic.kind is Kind.LATCHED]
         self._blocks = [topic for topic in wanted if topic.kind is Kind.DATA or topic is topics.CLOCK]
         self._turn = 0
@@ -131,22 +132,22 @@ class Recorder:
             If the bag cannot be written any further, the message cannot be or belongs to another structure,
             a second one comes on a latched topic, or the clock goes back.
         """
-        self._check(topic, cdr, time_ns)
+        message = deserialize_message(cdr, topic.message)
+        self._check(topic, message, time_ns)
         self.counts[topic.label] += 1
         if topic.kind is Kind.EVENT and topic is not topics.CLOCK:
-            self._write(topic, cdr, time_ns)  # a mark stands where the recording is
+            self._write(topic, cdr, message, time_ns)  # a mark stands where the recording is
             return
-        self._held[topic].append((cdr, time_ns))
+        self._held[topic].append((cdr, message, time_ns))
         if last:
             self._ended.add(topic)
         self._write_what_is_due()
 
-    def _check(self, topic: Topic, cdr: bytes, time_ns: int) -> None:
+    def _check(self, topic: Topic, message: Any, time_ns: int) -> None:
         """Refuse what cannot be, and what only a second producer sends.
 
         The order of numbered streams is checked where they come in.
         """
-        message = deserialize_message(cdr, topic.message)
         check_numbers(message, topic)
         if hasattr(message, "model_hash"):
             check_model(message, topic, self._model_hash, self._model_name)
@@ -181,10 +182,10 @@ class Recorder:
         ticks, blocks = self.counts[topics.CLOCK.label], self.counts[topics.NODAL_LOADS.label]
         return topics.NODAL_LOADS in self._ended and ticks >= blocks
 
-    def _write(self, topic: Topic, cdr: bytes, time_ns: int) -> None:
+    def _write(self, topic: Topic, cdr: bytes, message: Any, time_ns: int) -> None:
         # Log times increase, so that readers, which sort by them, keep the order of the file.
         self._last_log_ns = max(time.time_ns(), self._last_log_ns + 1)
-        kept = canonical(topic.message, self._selection.of(topic, cdr))
+        kept = canonical(topic.message, self._selection.of(topic, cdr, message))
         self._writer.write(topic.label, kept, log_time_ns=self._last_log_ns, publish_time_ns=time_ns)
         if topic is self._blocks[-1] and time_ns >= self._flush_at_ns:
             self._writer.flush()

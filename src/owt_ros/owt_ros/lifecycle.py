@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any, ClassVar
 
@@ -111,7 +111,7 @@ class StageNode(ManagedNode):
 
     def outlet(self, topic: Topic) -> Outlet:
         """Publish `topic`."""
-        outlet = Outlet(self, topic, flow=self.flow)
+        outlet = Outlet(self, topic, flow=self.flow, stall_s=self.options.stall_s + self._outside_s)
         self._outlets.append(outlet)
         return outlet
 
@@ -247,6 +247,12 @@ class StageNode(ManagedNode):
         owing += [outlet.topic.label for outlet in self._outlets if peer in outlet.owed_to]
         return f"{peer} died or left before the end of {', '.join(owing)}" if owing else ""
 
+    def _check_losses(self, peers: Iterable[str]) -> None:
+        """Raise :class:`StreamError` if something is missing without one of `peers`."""
+        for peer in peers:
+            if loss := self._loss(peer):
+                raise StreamError(loss)
+
     def _publish_rate(self) -> None:
         now, (then, reached) = time.monotonic(), self._rate_from
         speed = (self.time_ns - reached) * 1e-9 / max(now - then, 1e-9)
@@ -254,11 +260,10 @@ class StageNode(ManagedNode):
         blocks = {outlet.topic.label: outlet.credit.sent for outlet in self._outlets if outlet.credit.sent}
         blocks |= {inlet.topic.label: inlet.guard.received for inlet in self._inlets if inlet.guard.received}
         values = {"simulated seconds per second": f"{speed:.3g}", **blocks}
-        for loss in filter(None, map(self._loss, self._peers.unseen if self._peers else ())):
-            raise StreamError(loss)
+        self._check_losses(self._peers.unseen if self._peers else ())
         for outlet in self._outlets:
-            if stalled := outlet.stalls(self.options.stall_s + self._outside_s):
-                raise StreamError(stalled)
+            if stall := outlet.stall:
+                raise StreamError(stall)
         late = "; ".join(filter(None, (outlet.lateness for outlet in self._outlets)))
         level = DiagnosticStatus.WARN if late else DiagnosticStatus.OK
         self.diagnose(level, f"late: {late}" if late else "running", suffix=RATE_SUFFIX, **values)
@@ -312,8 +317,7 @@ class StageNode(ManagedNode):
         self._rate_from = self._waiting_since, self.time_ns
         self._reported = 0.0
         # A peer may have died since this node was configured, when nothing was owed yet.
-        for loss in filter(None, map(self._loss, self._peers.lost if self._peers else ())):
-            raise StreamError(loss)
+        self._check_losses(self._peers.lost if self._peers else ())
         self.announce()
         self.report()
         self.diagnose(DiagnosticStatus.OK, "active")

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import serialize_message
 
 from owt_model.contracts import ReducedDescription
 from owt_ros import topics
@@ -61,12 +61,11 @@ class Selection:
         if model.end_usage.size > self._count:
             self._ends = most_used(model.end_usage, self._count)
 
-    def of(self, topic: Topic, cdr: bytes) -> bytes:
-        """Return what is kept of a serialised message."""
+    def of(self, topic: Topic, cdr: bytes, message: Any) -> bytes:
+        """Return what is kept of a message, given serialised and as an object, which is used up."""
         trim = None if self._everything else self._trim.get(topic)
         if trim is None:
             return cdr
-        message = deserialize_message(cdr, topic.message)
         trim(message)
         return bytes(serialize_message(message))
 

@@ -32,15 +32,17 @@ class Outlet:
         What is published.
     flow : Flow
         Of the graph.
+    stall_s : float
+        Longest wall time in s that consumers may hold it without acknowledging anything.
     """
 
-    def __init__(self, node: LifecycleNode, topic: Topic, *, flow: Flow) -> None:
+    def __init__(self, node: LifecycleNode, topic: Topic, *, flow: Flow, stall_s: float) -> None:
         self.topic, self._node = topic, node
         self.publisher = node.create_lifecycle_publisher(
             topic.message, topic.name, qos_for(topic, window=flow.most)
         )
         self.credit = CreditWindow(flow, topic.consumers)
-        self._held, self._acknowledged = Patience(0.0), 0
+        self._held, self._acknowledged = Patience(stall_s), 0
         self._connected = not topic.consumers
         self._ended = topic.kind is not Kind.DATA
 
@@ -71,20 +73,20 @@ class Outlet:
         """Consumers that have not acknowledged the block marked last."""
         return () if self._ended and not self.credit.in_flight else self.topic.consumers
 
-    def stalls(self, limit_s: float) -> str:
-        """Say who has held this stream for longer than `limit_s` of wall time; empty if nobody has.
+    @property
+    def stall(self) -> str:
+        """Say who has held this stream for too long; empty if nobody has.
 
         To be asked often: the wait begins with the first question after the last acknowledgement.
         """
         if self.credit.acknowledged != self._acknowledged:
             self._acknowledged = self.credit.acknowledged
             self._held.restart()
-        self._held.limit_s = limit_s
         if not self._held.is_over(waiting=not self.credit.is_open):
             return ""
         return (
             f"{self.credit.slowest} has not acknowledged block {self._acknowledged} of {self.topic.label} "
-            f"for {limit_s:g} s: it hangs, or raise stall_s"
+            f"for {self._held.limit_s:g} s: it hangs, or raise stall_s"
         )
 
     @property

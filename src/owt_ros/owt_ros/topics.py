@@ -38,6 +38,8 @@ __all__ = [
     "DIAGNOSTICS",
     "ENERGY",
     "FATIGUE",
+    "FATIGUE_SUMMARY",
+    "FLUSH",
     "LOAD_BASIS",
     "MEASURED_ELEVATION",
     "MEASURED_ELEVATION_USED",
@@ -125,6 +127,9 @@ DIAGNOSTICS = Topic("diagnostics", DiagnosticArray, Kind.EVENT)
 #: Flow control and supervision: never recorded.
 CREDIT = Topic("owt/credit", Credit, Kind.EVENT)
 STATUS = Topic("owt/status", NodeStatus, Kind.LATCHED)
+
+#: Services of the postproc node.
+FATIGUE_SUMMARY, FLUSH = "owt/fatigue_summary", "owt/flush"
 
 #: What the bag of every case holds: what is latched, each block in the order of the chain, marks.
 RECORDED = (

@@ -9,6 +9,7 @@ from owt_model.contracts import FatigueBlock, ReducedDescription, StressBlock
 from owt_postproc.core.sn import sn_curve
 from owt_postproc.core.stage import (
     FatigueModel,
+    FatigueResult,
     FatigueState,
     build_fatigue_model,
     final,
@@ -47,6 +48,11 @@ class RunningCount:
         return self._model is not None
 
     @property
+    def is_closed(self) -> bool:
+        """Whether the block marked last has been counted."""
+        return self._state is not None and self._state.closed
+
+    @property
     def samples(self) -> int:
         """Stress samples counted."""
         return 0 if self._state is None else self._state.samples
@@ -70,8 +76,14 @@ class RunningCount:
         self._state, block = step(self._model, self._state, stress)
         return block
 
+    def result(self) -> FatigueResult:
+        """Return the results so far, the residue counted as half cycles."""
+        assert self._model is not None
+        assert self._state is not None
+        return final(self._model, self._state)
+
     def summary(self) -> dict[str, Any]:
         """Return the results so far, as :func:`~owt_postproc.core.summary.fatigue_summary` gives them."""
-        if self._model is None or self._state is None or self._reduced is None or not self._state.samples:
+        if self._reduced is None or not self.samples:
             return {"samples": 0, "complete": False, "ends": []}
-        return fatigue_summary(final(self._model, self._state), self._reduced, complete=self._state.closed)
+        return fatigue_summary(self.result(), self._reduced, complete=self.is_closed)

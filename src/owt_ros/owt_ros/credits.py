@@ -86,11 +86,12 @@ class CreditWindow:
     def is_open(self) -> bool:
         """Whether one more block may be sent.
 
-        In real time too a producer waits until every consumer has acknowledged something: only then is each
-        known to receive, since discovery ends on either side at a time of its own.
+        In real time too the second block waits until every consumer has acknowledged the first: only then is
+        each known to receive, since discovery ends on either side at a time of its own.
         """
-        everyone = min(self._acknowledged.values(), default=1) > 0
-        return self.in_flight < self._flow.window or (everyone and not self._flow.waits)
+        if self._flow.waits:
+            return self.in_flight < self._flow.window
+        return self._sent == 0 or min(self._acknowledged.values(), default=1) > 0
 
     @property
     def behind(self) -> int:

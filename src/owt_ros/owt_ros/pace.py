@@ -23,9 +23,9 @@ class Pace:
         self._rate, self._clock = rate, clock
         self._origin: tuple[float, int] | None = None
 
-    def restart(self) -> None:
-        """Count anew from the next block on."""
-        self._origin = None
+    def restart(self, time_ns: int | None = None) -> None:
+        """Count anew, from simulated time `time_ns` being now, or from the next block on."""
+        self._origin = None if time_ns is None else (self._clock(), time_ns)
 
     def is_due(self, time_ns: int) -> bool:
         """Tell whether the moment of simulated time `time_ns` has come; the first one asked for has."""

@@ -18,6 +18,7 @@ from owt_ros.process import interruptible, run
 from owt_ros.topics import Topic
 from owt_ros.vetting import check_model
 from owt_structure_node.core.stage import ResponseModel, build_response_model, initial_state, step
+from owt_structure_node.kernels import warm_up
 from owt_structure_node.wind_source import tower_top_load, wrench_samples
 
 __all__ = ["StructureNode", "main"]
@@ -31,6 +32,7 @@ class StructureNode(StageNode):
     def configure(self, case: CaseConfig) -> None:
         """Read the structure."""
         self._case = case
+        warm_up()  # while nothing waits
         self._mesh = build_mesh(case_structure(case.structure))
         self._model_hash = self._mesh.structure.content_hash
         self._queue: deque[LoadBlock] = deque()

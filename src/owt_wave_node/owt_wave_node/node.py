@@ -106,6 +106,8 @@ class WaveNode(StageNode):
         """Publish the blocks that are due and that every consumer has room for."""
         if self._live is not None and isinstance(self._stage, LiveStage):
             self._extend_record(self._stage, self._live)
+        if self._next == 1 and not (self._elevation.is_open and self._loads.is_open):
+            self._pace.restart(0)  # simulated time runs from when everybody has begun
         while self._next < self._stage.n_blocks and self._elevation.is_open and self._loads.is_open:
             if not self._is_ready():
                 return

@@ -17,6 +17,7 @@ from owt_postproc.core.stage import (
     step,
 )
 from owt_postproc.core.summary import fatigue_summary
+from owt_postproc.kernels import warm_up
 
 __all__ = ["RunningCount"]
 
@@ -37,6 +38,7 @@ class RunningCount:
 
     def __init__(self, case: CaseConfig) -> None:
         sn_curve(case.fatigue.sn_curve)
+        warm_up()  # compiled code is loaded before anything waits for it
         self._case = case
         self._reduced: ReducedDescription | None = None
         self._model: FatigueModel | None = None

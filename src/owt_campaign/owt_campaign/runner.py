@@ -7,7 +7,6 @@ structures at a time; a worker that takes more than its memory is started again.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,9 +18,9 @@ from owt_campaign.engine import CaseOutcome, model_key
 from owt_campaign.identity import case_key, code_hash, structure_hash
 from owt_campaign.result_file import decode_outcome
 from owt_campaign.store import ResultStore
-from owt_campaign.worker import ClusterBasis, WorkerResult, compute_basis, compute_case
+from owt_campaign.worker import WorkerResult, compute_basis, compute_case
 from owt_model.config import CaseConfig
-from owt_model.errors import ComputationError, InputError, OwtError
+from owt_model.errors import InputError, OwtError
 
 __all__ = ["CaseRecord", "run_cases"]
 

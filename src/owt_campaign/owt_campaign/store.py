@@ -1,4 +1,4 @@
-"""Finished results of a campaign in a folder: one file per case, named by its key, with its checksum beside it.
+"""Finished results of a campaign in a folder: one file per case, named by its key, its checksum beside it.
 
 A file appears whole or not at all, and its checksum after it. What has no checksum, or another one, is not
 there: its case is computed again.

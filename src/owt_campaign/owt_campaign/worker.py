@@ -12,7 +12,14 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from owt_campaign.engine import CaseOutcome, SharedModel, cluster_basis, evaluate_case, model_key, prepare_model
+from owt_campaign.engine import (
+    CaseOutcome,
+    SharedModel,
+    cluster_basis,
+    evaluate_case,
+    model_key,
+    prepare_model,
+)
 from owt_campaign.identity import code_hash
 from owt_campaign.result_file import encode_outcome
 from owt_model.config import CaseConfig

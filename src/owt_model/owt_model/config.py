@@ -156,6 +156,9 @@ class Fatigue(Frozen):
     sn_curve: str = Field(
         "T_cathodic_protection", min_length=1, description="name of an S-N curve in the data file"
     )
+    sn_file: str | None = Field(
+        None, min_length=1, description="YAML file of S-N curves of your own; null for the package's alone"
+    )
     scf: float = Field(1.0, ge=1.0, le=50.0, description="stress concentration factor on the nominal stress")
 
 

@@ -53,7 +53,10 @@ class Fatigue(Frozen):
     sn_curve: str = Field(
         "T_cathodic_protection",
         min_length=1,
-        description="S-N curve of the hot spots of tubular joints, by its name in the data file",
+        description="name of the S-N curve of the hot spots of tubular joints",
+    )
+    sn_file: str | None = Field(
+        None, min_length=1, description="YAML file of S-N curves of your own; null for the package's alone"
     )
     wall_sn_curve: str | None = Field(
         None, min_length=1, description="S-N curve of the walls elsewhere; null for that of the joints"

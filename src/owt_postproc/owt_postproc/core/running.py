@@ -37,7 +37,7 @@ class RunningCount:
     """
 
     def __init__(self, case: CaseConfig) -> None:
-        sn_curve(case.fatigue.sn_curve)
+        sn_curve(case.fatigue.sn_curve, case.fatigue.sn_file)
         warm_up()  # compiled code is loaded before anything waits for it
         self._case = case
         self._reduced: ReducedDescription | None = None

@@ -154,7 +154,9 @@ def build_fatigue_model(case: CaseConfig, n_ends: int) -> FatigueModel:
     """
     if n_ends < 1:
         raise InputError("n_ends", n_ends, "must be at least 1", "The structure has no members.")
-    return FatigueModel(sn_curve(case.fatigue.sn_curve), case.fatigue.scf, n_ends, case.structure.dt_s)
+    return FatigueModel(
+        sn_curve(case.fatigue.sn_curve, case.fatigue.sn_file), case.fatigue.scf, n_ends, case.structure.dt_s
+    )
 
 
 def initial_state(model: FatigueModel) -> FatigueState:

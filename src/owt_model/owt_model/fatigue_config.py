@@ -61,6 +61,9 @@ class Fatigue(Frozen):
     wall_sn_curve: str | None = Field(
         None, min_length=1, description="S-N curve of the walls elsewhere; null for that of the joints"
     )
+    thickness_effect: bool = Field(
+        True, description="count walls thicker than the S-N curve's reference as weaker"
+    )
     hot_spots: Literal["efthymiou", "nominal"] = Field(
         "efthymiou",
         description="stress that is counted: hot-spot stress where braces meet chords, or the nominal stress of "
@@ -85,7 +88,10 @@ class Fatigue(Frozen):
         description="bending of the chord at the crowns: nominal stress of the chord, or by its length alpha",
     )
     chord_fixity: float = Field(
-        0.7, ge=0.5, le=1.0, description="fixity C of the chord's ends, 0.5 fixed to 1 pinned, with its length"
+        0.7,
+        ge=0.5,
+        le=1.0,
+        description="fixity C of the chord's ends, 0.5 fixed to 1 pinned, with its length",
     )
     joints: dict[str, JointChoice] = Field(
         default_factory=dict,

@@ -212,5 +212,5 @@ def carried(p: Shape, other: Shape, zeta: float, beta_max: float) -> float:
 
 
 def _distance(p: Shape, zeta: float) -> float:
-    """x of K4 and KT1: 1 + zeta sin(theta) / beta."""
+    """X of K4 and KT1: 1 + zeta sin(theta) / beta."""
     return 1.0 + zeta * sin(p.theta) / p.beta

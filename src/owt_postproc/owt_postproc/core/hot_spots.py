@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -27,6 +28,8 @@ N_POINTS = 8
 POINT_ANGLE_DEG = 360.0 / N_POINTS * np.arange(N_POINTS)
 AXIAL, BENDING_Y, BENDING_Z = range(3)
 WALL = "wall"
+#: Sides of spots, in the order of their numbers in messages.
+SPOT_SIDES = (WALL, *SIDES)
 #: Factor on the nominal stress of the chord at its crowns (API RP 2A-WSD, B.8.3.1).
 CHORD_STRESS_FACTOR = 1.25
 #: Columns of :attr:`HotSpots.scf`.
@@ -88,6 +91,11 @@ class HotSpots:
     term_component: Int[np.ndarray, " term"]
     term_factor: Float[np.ndarray, " term"]
 
+    @cached_property
+    def side_code(self) -> Int[np.ndarray, " spot"]:
+        """Side of each spot as a number: 0 wall, 1 chord, 2 brace."""
+        return np.array([SPOT_SIDES.index(side) for side in self.side], dtype=np.int64)
+
     @property
     def n_spots(self) -> int:
         """Number of hot spots."""
@@ -98,7 +106,7 @@ class HotSpots:
         """Number of member ends."""
         return len(self.kind)
 
-    @property
+    @cached_property
     def first(self) -> Int[np.ndarray, " end"]:
         """First spot of each end."""
         return np.searchsorted(self.end, np.arange(self.n_ends))
@@ -109,8 +117,8 @@ class HotSpots:
 
     def worst(self, values: Float[np.ndarray, " spot"]) -> Int[np.ndarray, " end"]:
         """Spot of largest value of each end; the first of equal ones."""
-        edges = np.append(self.first, self.n_spots)
-        return np.array([a + np.argmax(values[a:b]) for a, b in zip(edges, edges[1:], strict=False)])
+        candidate = np.flatnonzero(values == self.largest(values)[self.end])
+        return candidate[np.searchsorted(self.end[candidate], np.arange(self.n_ends))]
 
     def sources(self, spot: int) -> Int[np.ndarray, " source"]:
         """Member ends whose stress a spot takes."""
@@ -208,21 +216,21 @@ class _Spots:
 
     def finish(self, kind: list[str], reason: tuple[str, ...], notes: tuple[str, ...]) -> HotSpots:
         """Put the spots together."""
-        end, component, factor = (list(column) for column in zip(*self.terms, strict=True))
+        end, component, factor = ([term[i] for term in self.terms] for i in range(3))
         return HotSpots(
             name=tuple(self.name),
             end=np.array(self.end, dtype=np.int64),
             side=tuple(self.side),
-            angle_deg=np.array(self.angle),
-            thickness_m=np.array(self.thickness),
-            scf=np.array(self.scf),
+            angle_deg=np.array(self.angle, dtype=np.float64),
+            thickness_m=np.array(self.thickness, dtype=np.float64),
+            scf=np.reshape(self.scf, (-1, len(SCF_NAMES))),
             kind=tuple(kind),
             reason=reason,
             notes=notes,
             start=np.array(self.start, dtype=np.int64),
             term_end=np.array(end, dtype=np.int64),
             term_component=np.array(component, dtype=np.int64),
-            term_factor=np.array(factor),
+            term_factor=np.array(factor, dtype=np.float64),
         )
 
 

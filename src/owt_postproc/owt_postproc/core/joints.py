@@ -165,7 +165,10 @@ def _check_names(frame: Frame, choices: Mapping[str, JointChoice]) -> None:
             )
         if choice.chord is not None and name not in joints:
             raise InputError(
-                f"fatigue.joints.{name}.chord", choice.chord, "is a choice for joints", "Name the joint alone."
+                f"fatigue.joints.{name}.chord",
+                choice.chord,
+                "is a choice for joints",
+                "Name the joint alone.",
             )
 
 

@@ -110,7 +110,7 @@ def connection_factors(joints: Joints, end: int, fatigue: Fatigue, name: str) ->
             "Take report, larger or clamp, or give the factors of the joint.",
         )
     as_it_is, limited = plane.values(), plane.limited().values()
-    choose: dict[str, Callable[[], Float[np.ndarray, "..."]]] = {
+    choose: dict[str, Callable[[], Float[np.ndarray, ...]]] = {
         "clamp": lambda: limited,
         "larger": lambda: np.maximum(as_it_is, limited),
     }
@@ -155,7 +155,9 @@ class _Plane:
             j = row.index(other)
             low, high = min(at, j), max(at, j)
             between = sum(c.footprint for c in row[low + 1 : high])
-            gaps = sum(_gap(a, b, fatigue) for a, b in zip(row[low:high], row[low + 1 : high + 1], strict=True))
+            gaps = sum(
+                _gap(a, b, fatigue) for a, b in zip(row[low:high], row[low + 1 : high + 1], strict=True)
+            )
             zeta = (gaps + between) / own.chord_diameter
             neighbours.append(_Neighbour(other, _shape(other, by_length), zeta, high == low + 1))
         return cls(
@@ -191,7 +193,9 @@ class _Plane:
     def outside(self) -> tuple[tuple[str, float, float], ...]:
         """Parameters of the brace that are outside the range, with the limit that they pass."""
         given = [(name, getattr(self.shape, name), LIMITS[name]) for name in LIMITS]
-        given += [("zeta", other.zeta, self._zeta_limits(self.shape)) for other in self.same if other.adjacent]
+        given += [
+            ("zeta", other.zeta, self._zeta_limits(self.shape)) for other in self.same if other.adjacent
+        ]
         found = {}
         for name, value, (low, high) in given:
             if not low - ROUNDING <= value <= high + ROUNDING:

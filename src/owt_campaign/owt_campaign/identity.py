@@ -102,6 +102,8 @@ def _files(case: CaseConfig) -> Iterator[tuple[str, str]]:
         yield "measured.path", case.measured.path
     if case.wind is not None and case.wind.series is not None:
         yield "wind.series.path", case.wind.series.path
+    if case.fatigue.sn_file is not None:
+        yield "fatigue.sn_file", case.fatigue.sn_file
 
 
 def _file_hash(field: str, path: str) -> str:

@@ -1,8 +1,8 @@
 """Results of a campaign as Parquet tables, written in pieces: memory does not grow with the number of cases.
 
 ``cases`` has one row per case: status, message, worst spot, energies. ``damage`` has one per case and hot
-spot, ``total_stress`` one per case and member end, ``energy`` one per case and part, ``stages`` one per case and
-stage, ``errors_*`` those against the unreduced model. ``totals``, ``total_stress_per_year`` and
+spot, ``total_stress`` one per case and member end, ``energy`` one per case and part, ``stages`` one per
+case and stage, ``errors_*`` those against the unreduced model. ``totals``, ``total_stress_per_year`` and
 ``stress_ranges`` are the probability-weighted sums per year, by wave order. Units are in the names of the
 columns; the schema holds the provenance.
 """

@@ -152,7 +152,8 @@ class CampaignFile:
             compression_opts=1, shuffle=True,
         )  # fmt: skip
         histogram.attrs.update(HALF_CYCLES)
-        status = self._file.create_variable("status", PER_CASE, dtype="i1", fillvalue=np.int8(1))
+        shape = tuple(self._file.dimensions[name].size for name in PER_CASE)
+        status = self._file.create_variable("status", PER_CASE, data=np.ones(shape, dtype="i1"))
         status.attrs["flag_values"] = np.array([0, 1], dtype="i1")
         status.attrs["flag_meanings"] = "done failed"
         for name, meaning in (("message", "why a case failed"), ("key", "content hash of the case")):

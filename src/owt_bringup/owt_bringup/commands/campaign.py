@@ -53,8 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--rose", type=Path, metavar="ROSE.csv",
-        help="wave rose for the probabilities of a table (default: its column probability or occurrence; without "
-        "one an assumed rose)",
+        help="wave rose for the probabilities of a table (default: its column probability or occurrence; "
+        "without one an assumed rose)",
     )  # fmt: skip
     parser.add_argument(
         "--design-fatigue-factor", type=float, default=DESIGN_FATIGUE_FACTOR, metavar="F",

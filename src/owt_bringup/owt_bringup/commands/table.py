@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--method", choices=METHODS, default="weighted-tp",
-        help="one sea state per height with its mean period, one per period with its mean height, or every cell "
+        help="one sea state per height with its mean period, per period with its mean height, or per cell "
         "(default weighted-tp, as thesis table 4.5)",
     )  # fmt: skip
     parser.add_argument(

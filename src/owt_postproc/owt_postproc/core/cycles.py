@@ -154,7 +154,8 @@ def exceedance(cycles: Cycles) -> tuple[Float[np.ndarray, " level"], Float[np.nd
         Number of cycles of at least that range; the last one is the number of all cycles.
     """
     levels, index = np.unique(cycles.ranges, return_inverse=True)
-    count = np.bincount(index, weights=cycles.counts, minlength=levels.size)
+    count = np.zeros(levels.size)
+    np.add.at(count, index, cycles.counts)
     return levels[::-1].copy(), np.cumsum(count[::-1])
 
 

@@ -50,7 +50,7 @@ def equivalent_range(
 
 def combined_equivalent(
     equivalent: Float[np.ndarray, "case ..."], weight: Float[np.ndarray, " case"], *, m: float
-) -> Float[np.ndarray, "..."]:
+) -> Float[np.ndarray, " ..."]:
     """Equivalent range of many cases together, each with the same reference cycles.
 
     Parameters
@@ -89,7 +89,7 @@ def occurrences(
 
 def accumulated_damage(
     damage: Float[np.ndarray, "case ..."], weight: Float[np.ndarray, " case"]
-) -> Float[np.ndarray, "..."]:
+) -> Float[np.ndarray, " ..."]:
     """Damage of every spot over all cases: the weighted sum, before any maximum over spots is taken.
 
     The maximum of each case may lie at another spot; a sum of maxima would be more than any spot has.

@@ -48,8 +48,8 @@ def rainflow(series: Any, *, closed: bool = False) -> Cycles:
     gives the same counts. The sum of range x count equals half the total variation of the series.
 
     With `closed` the counts are those of section 5.4.5 for repeating histories, where the record is read
-    from its largest peak round to the same peak: full cycles only, the same wherever the period is cut. The way
-    from the last sample back to the first is part of the total variation then.
+    from its largest peak round to the same peak: full cycles only, the same wherever the period is cut. The
+    way from the last sample back to the first is part of the total variation then.
 
     Examples
     --------

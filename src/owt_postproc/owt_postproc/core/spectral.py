@@ -101,8 +101,8 @@ def dirlik_damage(
 ) -> float:
     """Expected damage by Dirlik's distribution of rainflow ranges (1985).
 
-    Parameters as of :func:`narrow_band_damage`, to which it turns at an irregularity of 1. It hangs on m4, and
-    so on the highest frequency of the spectrum: give the spectrum to where the stress ends, and no noise.
+    Parameters as of :func:`narrow_band_damage`, to which it turns at an irregularity of 1. It hangs on m4,
+    and so on the highest frequency of the spectrum: give it to where the stress ends, and no noise.
     """
     g = moments.irregularity
     if g > NARROW:

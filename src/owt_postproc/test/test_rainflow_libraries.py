@@ -4,10 +4,10 @@ rainflow (three points, ASTM E1049): equal cycle by cycle. It counts half a cycl
 series, nothing for a series of two samples, and takes NaN as no turning point; ours counts nothing, half
 a cycle, and refuses NaN.
 
-fatpack (four points): sorts samples into classes first, so that ranges are multiples of the class width. On a
-series whose values are the centres of its classes it counts exactly. Its residue is closed by repetition, as
-ours with ``closed=True`` is. Where the record ends in one direction and starts in the other it joins the two by
-leaving out the extreme and keeping the point on the way (0.7.8), and so loses the largest range of
+fatpack (four points): sorts samples into classes first: ranges are multiples of the class width. On a series
+whose values are the centres of its classes it counts exactly. Its residue is closed by repetition, as ours
+with ``closed=True`` is. Where the record ends in one direction and starts in the other, version 0.7.8 joins
+the two by leaving out the extreme and keeping the point on the way, and so loses the largest range of
 [2, 0, 3]. It refuses constant and monotonic series with an IndexError or ValueError.
 """
 

@@ -102,11 +102,10 @@ def test_dirlik_equals_the_integral_over_its_ranges(density):
 
 
 def check_narrow(estimate, m):
-    """2 % of bandwidth lets ranges differ from twice the amplitude by about as much squared; the rest is
-    the scatter of three records of 2,600 independent groups, about 2 % of the sum of r^m at m = 5."""
+    """Three standard errors: damage of one record scatters by 1.8 % at m = 3 and 7.2 % at m = 5 (8 seeds)."""
     density, curve = narrow(), one_slope(m)
     found = estimate(spectral_moments(F, density), N * DT, curve)
-    assert counted(density, curve) == pytest.approx(found, rel=0.05)
+    assert counted(density, curve) == pytest.approx(found, rel={3.0: 0.03, 5.0: 0.12}[m])
 
 
 @pytest.mark.parametrize("m", [3.0, 5.0])
@@ -125,10 +124,12 @@ def test_narrow_band_would_notice_amplitudes_for_ranges(m):
 
 
 def check_broad(estimate, density, m):
-    """Dirlik fitted simulated records; errors of 5 to 10 % at m = 3 to 5 are published and found here."""
+    """Dirlik fitted simulated records, and is off by some percent: over 8 seeds -2 and +6 % at m = 3, -3 and
+    +7 % at m = 5. Three standard errors of these records are 0.8 and 4 %.
+    """
     curve = one_slope(m)
     found = estimate(spectral_moments(F, density), N * DT, curve)
-    assert counted(density, curve) == pytest.approx(found, rel=0.10)
+    assert counted(density, curve) == pytest.approx(found, rel={3.0: 0.08, 5.0: 0.11}[m])
 
 
 @pytest.mark.parametrize("m", [3.0, 5.0])
@@ -153,7 +154,8 @@ def test_dirlik_turns_to_the_narrow_band():
 
 
 def test_thick_wall_has_more_damage():
-    moments, curve = spectral_moments(F, pierson_moskowitz()), SNCurve("k", (3.0, 3.0), (12.0, 12.0), 1e7, thickness_exponent=0.2)  # fmt: skip
+    moments = spectral_moments(F, pierson_moskowitz())
+    curve = SNCurve("k", (3.0, 3.0), (12.0, 12.0), 1e7, thickness_exponent=0.2)
     for estimate in (narrow_band_damage, dirlik_damage):
         thick, thin = estimate(moments, 1.0, curve, thickness_m=0.05), estimate(moments, 1.0, curve)
         assert thick / thin == pytest.approx(2.0**0.6)

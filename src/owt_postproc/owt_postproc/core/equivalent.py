@@ -88,7 +88,7 @@ def occurrences(
 
 
 def accumulated_damage(
-    damage: Float[np.ndarray, "case ..."], weight: Float[np.ndarray, " case"]
+    damage: Float[np.ndarray, "case ..."], weight: Float[np.ndarray, " weight"]
 ) -> Float[np.ndarray, " ..."]:
     """Damage of every spot over all cases: the weighted sum, before any maximum over spots is taken.
 

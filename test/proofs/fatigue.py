@@ -287,15 +287,15 @@ PROOFS = [
         code, {"first slope alone": first_slope, "no thickness effect": no_thickness}, 1e-10, "round-off",
     ),
     Proof(
-        "unsigned-stress", "Unsigned stress keeps 0.25 (m = 3) and 0.06 (m = 5) of the damage of alternating bending",
+        "unsigned-stress", "Unsigned stress keeps 0.25 (m = 3) and 0.06 (m = 5) of a bending sine's damage",
         "half the range, twice the cycles: 2/2^m, a thousand cycles", unsigned, {3.0: 0.25, 5.0: 0.0625},
         {"no loss": {3.0: 1.0, 5.0: 1.0}, "half the range only": {3.0: 0.125, 5.0: 0.03125}},
         1e-9, "round-off of sums",
     ),
     Proof(
         "narrow-band-closed-form", "Narrow band: nu T/a (2 sqrt(2 m0))^m Gamma(1 + m/2)", "m = 3, 4, 5",
-        rayleigh, narrow_band_damage, {"amplitudes for ranges": of_amplitudes, "rate of maxima": rate_of_maxima},
-        1e-12, "round-off",
+        rayleigh, narrow_band_damage,
+        {"amplitudes for ranges": of_amplitudes, "rate of maxima": rate_of_maxima}, 1e-12, "round-off",
     ),
     Proof(
         "narrow-band-record", "Narrow band against rainflow of Gaussian records",

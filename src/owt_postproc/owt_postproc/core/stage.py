@@ -270,9 +270,8 @@ def _count(model: FatigueModel, state: FatigueState, rows: Float[np.ndarray, "ro
         results = stack, depth, last, totals, count, histogram
 
         def part(channels: tuple[int, int], into: tuple[np.ndarray, ...] = results) -> int:
-            return kernel.count_block(
-                rows, *channels, *model.terms, model.coefficients, LOWEST_PA, float(BINS_PER_DECADE), *into
-            )
+            fixed = (*model.terms, model.coefficients, LOWEST_PA, float(BINS_PER_DECADE))
+            return int(kernel.count_block(rows, *channels, *fixed, *into))
 
         longest = max(map_threads(part, _shares(model.n_channels, rows.shape[1])))
         if longest <= capacity:

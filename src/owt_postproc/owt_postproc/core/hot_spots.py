@@ -1,9 +1,9 @@
 """Hot spots of all member ends: where stress is counted, as a linear map from the nominal stress.
 
-Eight points on the chord side and eight on the brace side of every brace end, superposed as DNV-RP-C203, 3.3.2:
-sigma(phi) = (AC cos^2 + AS sin^2) axial + MIP cos in_plane + MOP sin out_of_plane, phi from the crown toe, and
-the influence of the other braces of the joint (:mod:`owt_postproc.core.scf`). All other ends have eight
-points of the wall with nominal stress, phi from element axis y towards z.
+Eight points on the chord side and eight on the brace side of every brace end, superposed as in DNV-RP-C203,
+3.3.2: sigma(phi) = (AC cos^2 + AS sin^2) axial + MIP cos in_plane + MOP sin out_of_plane, phi from the crown
+toe, and the influence of the other braces of the joint (:mod:`owt_postproc.core.scf`). All other ends have
+eight points of the wall with nominal stress, phi from element axis y towards z.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ N_POINTS = 8
 #: Angles of the points of one side, in degrees.
 POINT_ANGLE_DEG = 360.0 / N_POINTS * np.arange(N_POINTS)
 AXIAL, BENDING_Y, BENDING_Z = range(3)
+#: Factors by member end and component of its nominal stress.
+Terms = dict[tuple[int, int], float]
 WALL = "wall"
 #: Sides of spots, in the order of their numbers in messages.
 SPOT_SIDES = (WALL, *SIDES)
@@ -162,9 +164,7 @@ class _Spots:
         _, y, z = self.axes[end]
         return float(direction @ z), float(direction @ y)
 
-    def add(
-        self, end: int, side: str, angle: float, thickness: float, scf: np.ndarray, terms: dict[tuple[int, int], float]
-    ) -> None:  # fmt: skip
+    def add(self, end: int, side: str, angle: float, thickness: float, scf: np.ndarray, terms: Terms) -> None:
         """Add a spot; terms by member end and component."""
         self.name.append(f"{self.frame.end_name[end]} {side} {angle:g}")
         self.end.append(end)
@@ -190,17 +190,19 @@ class _Spots:
             thickness = own.chord_thickness if side == "chord" else own.thickness
             scf = np.concatenate([factors.own[s], factors.balanced[s], factors.through[s]])
             for angle in POINT_ANGLE_DEG:
-                terms = self._terms(own, joints, factors, s, chord, *_circle(float(angle)))
+                terms = self._terms(own, joints, factors, s, chord, float(angle))
                 self.add(own.end, side, float(angle), thickness, scf, terms)
 
     def _terms(
-        self, own: Connection, joints: Joints, factors: Factors, s: int, chord: tuple[int, ...], cosine: float, sine: float
-    ) -> dict[tuple[int, int], float]:  # fmt: skip
+        self, own: Connection, joints: Joints, factors: Factors, s: int, chord: tuple[int, ...], angle: float
+    ) -> Terms:
+        """Terms of the spot at an angle on side `s`, with the nominal stress of the ends `chord`."""
         mine, end = factors.own[s], own.end
+        cosine, sine = _circle(angle)
         bending = mine[IN_PLANE] * cosine * own.crown + mine[OUT_OF_PLANE] * sine * own.normal
         y, z = self.along(end, bending)
         axial = float(mine[CROWN] * cosine**2 + mine[SADDLE] * sine**2)
-        terms = {(end, AXIAL): axial, (end, BENDING_Y): y, (end, BENDING_Z): z}
+        terms: Terms = {(end, AXIAL): axial, (end, BENDING_Y): y, (end, BENDING_Z): z}
         for other, influence in factors.axial.items():
             crown, saddle = influence[s]
             terms[other, AXIAL] = float(crown * cosine**2 + saddle * sine**2)
@@ -286,13 +288,13 @@ def _range_notes(found: dict[int, Factors], frame: Frame, how: str) -> tuple[str
     for end, factors in found.items():
         for name, value, limit in factors.outside:
             groups.setdefault((factors.kind, name), []).append((value, limit, frame.end_name[end]))
-    done = {"report": "used as it is", "larger": "the larger factor used", "clamp": "the limit used"}
+    done = {"report": "taken as it is", "larger": "the larger factor used", "clamp": "the limit used"}
     lines = []
     for (kind, name), ends in groups.items():
         value, limit, at = max(ends, key=lambda entry: abs(entry[0] - entry[1]))
         lines.append(
-            f"hot spots: {name} of {len(ends)} brace ends in {kind} joints is out of range, worst {value:.3g} "
-            f"(limit {limit:.3g}) at {at}: {done[how]}"
+            f"hot spots: {name} of {len(ends)} brace ends in {kind} joints is out of range, "
+            f"worst {value:.3g} (limit {limit:.3g}) at {at}: {done[how]}"
         )
     return tuple(lines)
 

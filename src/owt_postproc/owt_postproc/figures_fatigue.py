@@ -48,7 +48,7 @@ def damage_bars(usage: Usage) -> Figure:
         f"The {len(order)} most damaged of {len(damage)} member ends, each by the worst of its spots. "
         f"S-N curve {usage.curve.name}, residue as half cycles."
     )
-    return Figure("damage", "Fatigue damage by member end", caption, [trace], look, height=460)
+    return Figure("damage", "Fatigue damage by member end", caption, [trace], look, height=640)
 
 
 def exceedance(usage: Usage) -> Figure:
@@ -123,7 +123,8 @@ def rainflow_matrix(stress: Float[np.ndarray, " n"], name: str) -> Figure | None
         hovermode="closest",
     )
     caption = (
-        f"Of the normal stress at {name}: {counts.sum():g} cycles in {RANGE_BINS} × {MEAN_BINS} equal bins, no cycle "
+        f"Of the normal stress at {name}: {counts.sum():g} cycles in {RANGE_BINS} × {MEAN_BINS} equal "
+        "bins, no cycle "
         "left out, empty bins white, colours logarithmic."
     )
     return Figure("matrix", "Rainflow matrix", caption, [trace], look, height=400)

@@ -1,4 +1,4 @@
-"""The structure in space, tubes in the colour of what each member end bears, and two views of it for paper."""
+"""The structure in space, in the colour of what each member end bears, and two views of it for paper."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ def jacket(usage: Usage, geometry: Geometry, design: DesignLife | None) -> Figur
         "scale": SCALE,
     }
     caption = (
-        "Each half of a member in the colour of its end. Hover for names and numbers, drag to turn, scroll to "
+        "Each half of a member in the colour of its end. Hover for names and numbers, drag to turn, "
+        "scroll to "
         "zoom. Spheres: joints. Grey: foot of the tower."
     )
     return Figure(
@@ -47,8 +48,8 @@ def jacket(usage: Usage, geometry: Geometry, design: DesignLife | None) -> Figur
 
 def colour_of(share: float) -> str:
     """Colour at a share between 0 and 1 of the scale."""
-    position = [float(stop) for stop, _ in SCALE]
-    rgb = np.array([[int(str(c)[i : i + 2], 16) for i in (1, 3, 5)] for _, c in SCALE])
+    position = [stop for stop, _ in SCALE]
+    rgb = np.array([[int(c[i : i + 2], 16) for i in (1, 3, 5)] for _, c in SCALE])
     mixed = [round(float(np.interp(share, position, rgb[:, i]))) for i in range(3)]
     return "#{:02x}{:02x}{:02x}".format(*mixed)
 
@@ -124,7 +125,8 @@ def _joints(usage: Usage, geometry: Geometry) -> dict[str, Any]:
         members = ", ".join(usage.end_name[e].partition(":")[0] for e in ends)
         x, y, z = geometry.node[node]
         text.append(
-            f"<b>joint {geometry.node_name[node]}</b><br>at ({x:.2f}, {y:.2f}, {z:.2f}) m<br>members {members}<br>"
+            f"<b>joint {geometry.node_name[node]}</b><br>at ({x:.2f}, {y:.2f}, {z:.2f}) m<br>members "
+            f"{members}<br>"
             f"largest damage {power(float(damage[worst]))} at {usage.end_name[worst]}"
         )
     return {
@@ -182,7 +184,7 @@ def _scene(geometry: Geometry) -> dict[str, Any]:
                 }
                 for i, name in enumerate("xyz")
             },
-            "camera": {"eye": {"x": 1.05, "y": 1.45, "z": 0.25}},
+            "camera": {"eye": {"x": 0.95, "y": 1.35, "z": 0.2}, "center": {"x": 0, "y": 0, "z": -0.06}},
         },
     )  # fmt: skip
 
@@ -212,11 +214,12 @@ def _views(geometry: Geometry, measure: Measure, usage: Usage) -> str:
                 )
         drawings.append(
             f'<svg viewBox="{low:.2f} 0 {high - low:.2f} {top - bottom:.2f}" role="img" '
-            f'aria-label="Structure in the {name}-z plane, coloured by the chosen quantity">{"".join(lines)}</svg>'
+            f'aria-label="Structure in the {name}-z plane, coloured by the chosen quantity">'
+            f"{''.join(lines)}</svg>"
         )
     legend = "".join(f'<i style="background:{colour_of(s)}"></i>' for s in np.linspace(0.0, 1.0, 24))
     return (
         f'<div class="views"><div>{drawings[0]}<p>x–z plane</p></div><div>{drawings[1]}<p>y–z plane</p></div>'
-        f'<div class="legend"><p id="views-title"></p><div class="bar">{legend}</div><div id="views-ticks"></div>'
-        "</div></div>"
+        f'<div class="legend"><p id="views-title"></p><div class="bar">{legend}</div>'
+        '<div id="views-ticks"></div></div></div>'
     )

@@ -74,7 +74,8 @@ def spectra(data: ReportData) -> Figure | None:
         axes[f"yaxis{number}"] = {**log_axis(unit, LOWEST_SHOWN * high, 4.0 * high), "domain": domain}
         notes.append(
             {
-                "x": 0.995, "xref": "paper", "xanchor": "right", "y": top - 0.008, "yref": "paper", "yanchor": "top",
+                "x": 0.995, "xref": "paper", "xanchor": "right",
+                "y": top - 0.008, "yref": "paper", "yanchor": "top",
                 "text": f"<b>{name}</b>", "showarrow": False, "font": {"color": colour, "size": 13},
                 "bgcolor": "rgba(255,255,255,0.8)",
             }
@@ -90,7 +91,8 @@ def spectra(data: ReportData) -> Figure | None:
     )
     resolution = ", ".join(sorted({f"{s.resolution:.2g}" for _, s in found}))
     caption = (
-        f"By Welch's method with Hann windows, resolution {resolution} Hz; each panel spans eight decades. Dotted: "
+        f"By Welch's method with Hann windows, resolution {resolution} Hz; each panel spans eight "
+        "decades. Dotted: "
         "natural frequencies of the reduced model (f1, f2, ...), and the peak of the sea (1/Tp)."
     )
     title = "Spectra of the waves and of the response"

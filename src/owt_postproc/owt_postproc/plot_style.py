@@ -35,16 +35,18 @@ FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, Helvetica, Arial, sans-ser
 MOST_POINTS = 3000
 #: Longest line of which the page holds all samples, to be drawn when one zooms in.
 MOST_SAMPLES = 40_000
-#: Colours from little to much: ever darker, so that grey paper and any kind of colour blindness keep the order.
-SCALE = [[0.0, "#dbe4ea"], [0.25, "#f3c77b"], [0.5, "#e5834a"], [0.75, "#b3294c"], [1.0, "#4a0d3f"]]
+#: Colours from little to much: ever darker, so that grey paper and all colour blindness keep the order.
+SCALE: list[tuple[float, str]] = [
+    (0.0, "#dbe4ea"), (0.25, "#f3c77b"), (0.5, "#e5834a"), (0.75, "#b3294c"), (1.0, "#4a0d3f"),
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Figure:
     """A Plotly figure with the words around it; `height` in pixels.
 
-    ``extra`` is what the page's script needs besides: ``samples``, all samples of lines that are drawn as their
-    envelope until one zooms in, and ``measures``, the quantities that a figure can be coloured by.
+    ``extra`` is what the page's script needs besides: ``samples``, all samples of lines that are drawn as
+    their envelope until one zooms in, and ``measures``, the quantities that a figure can be coloured by.
     ``html`` stands above the plot: a selector, or what takes its place on paper.
     """
 

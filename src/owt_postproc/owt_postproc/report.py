@@ -20,13 +20,12 @@ from owt_postproc.report_methods import methods
 from owt_postproc.report_summary import head_figures, series_of, summary
 from owt_postproc.report_usage import Usage, usage_of
 
-__all__ = ["ends_table", "head_figures", "methods_table", "render", "summary", "write_report"]
+__all__ = ["ends_table", "head_figures", "methods_table", "pairs", "render", "summary", "write_report"]
 
 #: Rows of a long table that appear on paper.
 PRINTED_ROWS = 40
 #: Figures that stand beside one another.
-PAIR = ("exceedance", "matrix")
-FATIGUE = ("damage", *PAIR)
+FIRST, SECOND = ("jacket", "damage"), ("exceedance", "matrix")
 
 
 def write_report(data: ReportData, path: str | Path) -> Path:
@@ -46,13 +45,12 @@ def render(data: ReportData) -> str:
     usage = usage_of(data.fatigue, data.reduced.end_name)
     body = [
         tiles(head_figures(data)),
-        *(figure(f) for f in figures if f.key == "jacket"),
         "<h2>Fatigue</h2>",
-        *_fatigue(figures),
+        pairs(figures),
         "<h3>Member ends</h3>",
         ends_table(usage, design_life(data.case)),
         "<h2>Sea, loads and response</h2>",
-        *(figure(f) for f in figures if f.key not in (*FATIGUE, "jacket")),
+        *(figure(f) for f in figures if f.key not in (*FIRST, *SECOND)),
         "<h3>Statistics</h3>",
         _statistics_table(data),
         "<h3>Natural frequencies of the reduced model</h3>",
@@ -69,10 +67,16 @@ def render(data: ReportData) -> str:
     return page(data.title, _subtitle(data), body, figures)
 
 
-def _fatigue(figures: Iterable[Figure]) -> list[str]:
+def pairs(figures: Iterable[Figure]) -> str:
+    """The figures of the fatigue results, two beside each other where both are there."""
     shown = {f.key: f for f in figures}
-    pair = [f"<div>{figure(shown[key])}</div>" for key in PAIR if key in shown]
-    return [figure(shown["damage"]), f'<section class="pair">{"".join(pair)}</section>']
+    rows = []
+    for kind, keys in (("pair first", FIRST), ("pair", SECOND)):
+        there = [figure(shown[key]) for key in keys if key in shown]
+        rows.append(
+            f'<section class="{kind}">{"".join(there)}</section>' if len(there) > 1 else "".join(there)
+        )
+    return "".join(rows)
 
 
 def _subtitle(data: ReportData) -> str:
@@ -114,7 +118,8 @@ def ends_table(usage: Usage, design: DesignLife | None) -> str:
         "stress concentration factor", "cycles", "largest range, MPa", "total stress, MPa",
     ]  # fmt: skip
     caption = (
-        f"All {len(rows)} member ends, each by its most damaged spot; click a heading to sort. Total stress is the "
+        f"All {len(rows)} member ends, each by its most damaged spot; click a heading to sort. Total "
+        "stress is the "
         "measure of the thesis and no damage."
     )
     return table("member_ends", head, rows, caption=caption, printed=PRINTED_ROWS)

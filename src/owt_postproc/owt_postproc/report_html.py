@@ -1,4 +1,4 @@
-"""Pieces of a report's page: the shell that needs nothing but a browser, figures, tables, files written whole."""
+"""Pieces of a report's page: the shell that needs nothing but a browser, figures, tables."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 from owt_model.errors import InputError
 from owt_postproc.plot_style import Figure
 from owt_postproc.report_measures import power
 
-__all__ = ["Cell", "facts", "figure", "page", "power_cell", "table", "text", "tiles", "write_page"]
+__all__ = ["Cell", "Link", "facts", "figure", "page", "power_cell", "table", "text", "tiles", "write_page"]
 
 #: A row that is left out on paper.
 _SCREEN = ' class="screen"'
@@ -28,6 +29,14 @@ class Cell:
 
     text: str
     value: float
+
+
+@dataclass(frozen=True)
+class Link:
+    """Text that leads to a page beside this one."""
+
+    text: str
+    target: str
 
 
 def power_cell(value: float) -> Cell:
@@ -143,14 +152,17 @@ def table(
     kind = "long" if len(cells) > most else "short"
     return (
         f'<div class="table" data-name="{text(name)}" data-printed="{most}"><p class="note">{text(caption)} '
-        f'<button type="button" class="download">Download CSV</button></p><div class="scroll {kind}" tabindex="0">'
-        f'<table class="sort {kind}"><thead><tr>{columns}</tr></thead><tbody>{body}</tbody></table></div></div>'
+        f'<button type="button" class="download">Download CSV</button></p>'
+        f'<div class="scroll {kind}" tabindex="0"><table class="sort {kind}"><thead><tr>{columns}</tr></thead>'
+        f"<tbody>{body}</tbody></table></div></div>"
     )
 
 
 def _cell(value: Any) -> str:
     if isinstance(value, Cell):
         return f'<td class="number" data-value="{value.value!r}">{text(value.text)}</td>'
+    if isinstance(value, Link):
+        return f'<td><a href="{text(quote(value.target))}">{text(value.text)}</a></td>'
     if isinstance(value, float | int):
         return f'<td class="number" data-value="{value!r}">{text(_shown(value))}</td>'
     return f"<td>{text(value)}</td>"

@@ -20,7 +20,7 @@ DECADES = 6.0
 
 @dataclass(frozen=True)
 class DesignLife:
-    """What damage is compared with: a Miner sum of one, after the design life, with the design fatigue factor."""
+    """What damage is compared with: a sum of one after the design life, with the design fatigue factor."""
 
     years: float
     factor: float
@@ -100,25 +100,31 @@ def measures(usage: Usage, design: DesignLife | None) -> list[Measure]:
     found = [
         Measure(
             "damage", "damage", "", usage.end_damage, True,
-            "Palmgren-Miner sum over the record, largest of the spots of each end. Logarithmic; six decades and "
+            "Palmgren-Miner sum over the record, largest of the spots of each end. Logarithmic; six "
+            "decades and "
             "more below the largest is the lightest colour.",
         ),
         Measure(
             "range", "largest stress range", "MPa", 1e-6 * usage.end_max_range, False,
-            "Largest rainflow range of the normal stress, concentration factor included, largest of the spots "
+            "Largest rainflow range of the normal stress, concentration factor included, largest of "
+            "the spots "
             "of each end.",
         ),
         Measure(
             "total", "total stress", "MPa", 1e-6 * usage.total_stress, False,
-            "Sum of range × count of the unsigned nominal von Mises stress: the measure of the thesis, no damage.",
+            "Sum of range × count of the unsigned nominal von Mises stress: the measure of the "
+            "thesis, no damage.",
         ),
     ]  # fmt: skip
     if design is not None:
         found.append(
             Measure(
-                "utilisation", "utilisation", "", design.utilisation(usage.end_damage, usage.duration_s), True,
-                f"Damage × {design.years:g} years / record × design fatigue factor {design.factor:g}, over the "
-                "allowed sum of 1, as if what was counted went on for the whole design life. Logarithmic, six "
+                "utilisation", "utilisation", "",
+                design.utilisation(usage.end_damage, usage.duration_s), True,
+                f"Damage × {design.years:g} years / record × design fatigue factor {design.factor:g}, "
+                "over the "
+                "allowed sum of 1, as if what was counted went on for the whole design life. "
+                "Logarithmic, six "
                 "decades.",
             )
         )  # fmt: skip

@@ -17,7 +17,7 @@ from owt_model.errors import InputError
 from owt_postproc.core.sn import SNCurve
 from owt_postproc.core.stage import POINT_ANGLE_DEG, FatigueResult
 
-__all__ = ["Usage", "add_up", "usage_of"]
+__all__ = ["Usage", "add_up", "same_spots", "usage_of"]
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def usage_of(fatigue: FatigueResult, end_name: Sequence[str]) -> Usage:
     end = np.repeat(np.arange(ends), points)
     return Usage(
         end_name=tuple(end_name),
-        spot_name=tuple(f"{end_name[e]} wall {a:g}" for e, a in zip(end, angle, strict=True)),
+        spot_name=tuple(f"{end_name[e]} wall {a:g}" for e, a in zip(end.tolist(), angle, strict=True)),
         spot_side=("wall",) * (ends * points),
         spot_end=end,
         spot_angle_deg=angle,
@@ -130,6 +130,16 @@ def usage_of(fatigue: FatigueResult, end_name: Sequence[str]) -> Usage:
     )
 
 
+def same_spots(first: Usage, second: Usage) -> bool:
+    """Whether two records speak of the same spots, factors, S-N curve and range bins."""
+    return (
+        first.spot_name == second.spot_name
+        and first.curve == second.curve
+        and np.array_equal(first.spot_scf, second.spot_scf)
+        and np.array_equal(first.range_edge, second.range_edge)
+    )
+
+
 def add_up(first: Usage, second: Usage) -> Usage:
     """Usage after both records: damage and counts of each spot added, the larger of the largest ranges.
 
@@ -140,13 +150,7 @@ def add_up(first: Usage, second: Usage) -> Usage:
     InputError
         If the two do not speak of the same spots, S-N curve and range bins.
     """
-    same = (
-        first.spot_name == second.spot_name
-        and first.curve.name == second.curve.name
-        and np.array_equal(first.spot_scf, second.spot_scf)
-        and np.array_equal(first.range_edge, second.range_edge)
-    )
-    if not same:
+    if not same_spots(first, second):
         raise InputError(
             "records",
             f"{first.curve.name} and {second.curve.name}",

@@ -65,10 +65,11 @@
     }
     document.getElementById("views-title").innerHTML = chosen.title;
     const ticks = document.getElementById("views-ticks");
+    const every = Math.ceil(chosen.tick.length / 4);
     ticks.replaceChildren(...chosen.tick.map((share, i) => {
       const tick = document.createElement("span");
       tick.style.left = 100 * share + "%";
-      tick.innerHTML = chosen.text[i];
+      tick.innerHTML = i % every ? "" : chosen.text[i];
       return tick;
     }));
   }
@@ -106,13 +107,14 @@
     if (figure.extra.samples) fillOnZoom(place, figure);
   }
 
-  // Paper has another width than the screen.
-  const fit = () => {
-    for (const place of document.querySelectorAll(".js-plotly-plot")) {
-      if (place.id !== "plot-jacket") Plotly.Plots.resize(place);
-    }
-  };
-  window.addEventListener("beforeprint", fit);
-  window.addEventListener("afterprint", fit);
+  // Paper is narrower than the screen, and asks for the width before it lays the page out.
+  const PAPER = 690;
+  const flat = () => Array.from(document.querySelectorAll(".js-plotly-plot")).filter((one) => one.id !== "plot-jacket");
+  window.addEventListener("beforeprint", () => {
+    for (const place of flat()) Plotly.relayout(place, { autosize: false, width: PAPER });
+  });
+  window.addEventListener("afterprint", () => {
+    for (const place of flat()) Plotly.relayout(place, { autosize: true, width: null });
+  });
   document.body.dataset.ready = "yes";
 })();

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ TOWER, TOWER_SHOWN_M = "#b9c2ca", 20.0
 CORNERS, STATIONS = 12, 4
 #: Diameter in m of tubes whose own is not recorded.
 USUAL_DIAMETER_M = 1.0
+#: Diameter of a joint's ball over that of the thickest member there.
+JOINT_SIZE = 1.25
 VIEWS = ((0, "x"), (1, "y"))
 
 
@@ -38,7 +41,7 @@ def jacket(usage: Usage, geometry: Geometry, design: DesignLife | None) -> Figur
     caption = (
         "Each half of a member in the colour of its end. Hover for names and numbers, drag to turn, "
         "scroll to "
-        "zoom. Spheres: joints. Grey: foot of the tower."
+        "zoom. Balls: joints. Grey: foot of the tower."
     )
     return Figure(
         "jacket", "Structure", caption, traces, _scene(geometry), height=640, extra=extra,
@@ -69,9 +72,7 @@ def _tubes(geometry: Geometry) -> tuple[dict[str, Any], Int[np.ndarray, " vertex
     """One surface of all members; and the member end that each of its vertices belongs to."""
     first, last = (geometry.node[geometry.member_node[:, i]] for i in (0, 1))
     members = len(first)
-    diameter = (
-        geometry.member_diameter if len(geometry.member_diameter) else np.full(members, USUAL_DIAMETER_M)
-    )
+    diameter = _diameter(geometry)
     along = last - first
     along = along / np.linalg.norm(along, axis=1)[:, None]
     aside = np.cross(along, np.where(np.abs(along[:, 2:]) > 0.9, [[1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]]))
@@ -114,13 +115,14 @@ def _tubes(geometry: Geometry) -> tuple[dict[str, Any], Int[np.ndarray, " vertex
 
 
 def _joints(usage: Usage, geometry: Geometry) -> dict[str, Any]:
-    """Joints as spheres that tell their name and which member ends meet there."""
+    """Joints as balls that tell their name and which member ends meet there."""
     damage = usage.end_damage
     node_of_end = geometry.member_node.ravel()
     joint = np.unique(node_of_end)
-    text = []
+    text, members_of = [], {}
     for node in joint:
         ends = np.flatnonzero(node_of_end == node)
+        members_of[node] = ends // 2
         worst = ends[np.argmax(damage[ends])]
         members = ", ".join(usage.end_name[e].partition(":")[0] for e in ends)
         x, y, z = geometry.node[node]
@@ -129,15 +131,37 @@ def _joints(usage: Usage, geometry: Geometry) -> dict[str, Any]:
             f"{members}<br>"
             f"largest damage {power(float(damage[worst]))} at {usage.end_name[worst]}"
         )
+    corner, face = _ball()
+    diameter = _diameter(geometry)
+    radius = 0.5 * JOINT_SIZE * np.array([diameter[members_of[node]].max() for node in joint])
+    ball = geometry.node[joint][:, None] + radius[:, None, None] * corner
+    faces = (face + len(corner) * np.arange(len(joint))[:, None, None]).reshape(-1, 3)
+    flat = ball.reshape(-1, 3)
     return {
-        "type": "scatter3d",
-        "mode": "markers",
-        **{name: numbers(geometry.node[joint, i]) for i, name in enumerate("xyz")},
-        "marker": {"size": 5, "color": FAINT, "line": {"color": "white", "width": 1}},
-        "text": text,
+        "type": "mesh3d",
+        **{name: numbers(flat[:, i]) for i, name in enumerate("xyz")},
+        **{name: faces[:, i].tolist() for i, name in enumerate("ijk")},
+        "color": FAINT,
+        "text": [line for line in text for _ in corner],
         "hoverinfo": "text",
         "showlegend": False,
     }
+
+
+def _ball() -> tuple[Float[np.ndarray, "corner 3"], Int[np.ndarray, "face 3"]]:
+    """Corners and faces of an icosahedron of radius 1."""
+    g = 0.5 * (1.0 + np.sqrt(5.0))
+    corner = np.array([np.roll([0.0, a, b * g], k) for k in range(3) for a in (1, -1) for b in (1, -1)])
+    apart = np.linalg.norm(corner[:, None] - corner, axis=2)
+    near = (apart > 0.0) & (apart < 2.1)
+    face = [(i, j, k) for i, j, k in combinations(range(12), 3) if near[i, j] and near[j, k] and near[i, k]]
+    return corner / np.linalg.norm(corner[0]), np.array(face)
+
+
+def _diameter(geometry: Geometry) -> Float[np.ndarray, " member"]:
+    """Diameter of each member in m."""
+    recorded = geometry.member_diameter
+    return recorded if len(recorded) else np.full(len(geometry.member_node), USUAL_DIAMETER_M)
 
 
 def _tower_chain(geometry: Geometry) -> Float[np.ndarray, "node 3"]:

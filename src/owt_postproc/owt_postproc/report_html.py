@@ -153,8 +153,8 @@ def table(
     return (
         f'<div class="table" data-name="{text(name)}" data-printed="{most}"><p class="note">{text(caption)} '
         f'<button type="button" class="download">Download CSV</button></p>'
-        f'<div class="scroll {kind}" tabindex="0"><table class="sort {kind}"><thead><tr>{columns}</tr></thead>'
-        f"<tbody>{body}</tbody></table></div></div>"
+        f'<div class="scroll {kind}" tabindex="0"><table class="sort {kind}">'
+        f"<thead><tr>{columns}</tr></thead><tbody>{body}</tbody></table></div></div>"
     )
 
 

@@ -28,8 +28,7 @@
   }
   function save(name, text) {
     const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
-    link.download = name;
+    Object.assign(link, { href: URL.createObjectURL(new Blob([text], { type: "text/csv" })), download: name });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   }

@@ -44,10 +44,7 @@ def browser(*more: str, beside: Browser | None = None) -> Iterator[Browser]:
     """Start the browser with `more` arguments; a second one needs the first, `beside` which it runs."""
     path = chromium()
     with ExitStack() as stack:
-        if beside is None:
-            kind = stack.enter_context(sync_playwright()).chromium
-        else:
-            kind = beside.browser_type
+        kind = beside.browser_type if beside else stack.enter_context(sync_playwright()).chromium
         started = kind.launch(executable_path=path, args=[*ARGUMENTS, *more], timeout=PATIENCE_MS)
         stack.callback(started.close)
         yield started

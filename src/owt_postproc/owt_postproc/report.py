@@ -96,6 +96,7 @@ def _subtitle(data: ReportData) -> str:
 def ends_table(usage: Usage, design: DesignLife | None) -> str:
     """All member ends, each by its worst spot, the most damaged first."""
     damage, spot, largest = usage.end_damage, usage.worst_spot, usage.end_max_range
+    factor = usage.spot_factor
     used = None if design is None else design.utilisation(damage, usage.duration_s)
     rows: list[list[Any]] = []
     for e in np.argsort(-damage, kind="stable"):
@@ -105,22 +106,22 @@ def ends_table(usage: Usage, design: DesignLife | None) -> str:
                 usage.end_name[e],
                 power_cell(float(damage[e])),
                 *([] if used is None else [power_cell(float(used[e]))]),
+                usage.end_kind[e] or "-",
                 usage.spot_side[s],
                 float(usage.spot_angle_deg[s]),
-                float(usage.spot_scf[s]),
+                float(factor[s]),
                 float(usage.cycles[s]),
                 1e-6 * float(largest[e]),
                 1e-6 * float(usage.total_stress[e]),
             ]
         )
     head = [
-        "member end", "damage", *([] if design is None else ["utilisation"]), "worst spot on", "at angle, °",
-        "stress concentration factor", "cycles", "largest range, MPa", "total stress, MPa",
+        "member end", "damage", *([] if design is None else ["utilisation"]), "joint", "worst spot on",
+        "at angle, °", "largest factor", "cycles", "largest range, MPa", "total stress, MPa",
     ]  # fmt: skip
     caption = (
-        f"All {len(rows)} member ends, each by its most damaged spot; click a heading to sort. Total "
-        "stress is the "
-        "measure of the thesis and no damage."
+        f"All {len(rows)} member ends, each by its most damaged spot; click a heading to sort. Largest factor: "
+        "of its stress concentration factors. Total stress: the measure of the thesis, no damage."
     )
     return table("member_ends", head, rows, caption=caption, printed=PRINTED_ROWS)
 

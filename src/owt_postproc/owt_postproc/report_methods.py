@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from owt_postproc.core.sn import SNCurve
 from owt_postproc.report_data import ReportData
+from owt_postproc.report_usage import Usage, usage_of
 
 __all__ = ["fatigue_methods", "methods"]
 
@@ -16,7 +16,7 @@ def methods(data: ReportData) -> list[tuple[str, str, str]]:
     return [
         *_sea(data.case),
         *_structure(data.case, data.reduced.reduction),
-        *fatigue_methods(data.fatigue.curve, data.case),
+        *fatigue_methods(usage_of(data.fatigue, data.reduced.end_name)),
     ]
 
 
@@ -49,21 +49,38 @@ def _structure(case: Mapping[str, Any], reduction: str) -> list[tuple[str, str, 
     ]
 
 
-def fatigue_methods(curve: SNCurve, case: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+def fatigue_methods(usage: Usage) -> list[tuple[str, str, str]]:
     """Step, method and source of what turns stress into damage."""
-    del case
-    return [
+    joints, walls = usage.curve, usage.wall_curve
+    rows = []
+    if any(usage.end_kind):
+        rows.append(
+            (
+                "hot spots",
+                "eight points on the chord side and on the brace side of each brace end, Efthymiou's stress "
+                "concentration factors and influence functions, superposition",
+                "Efthymiou 1988; DNV-RP-C203, 3.3 and appendix B",
+            )
+        )
+    rows += [
         (
-            "hot spots",
-            "signed normal stress round each member end, one concentration factor",
+            "other ends",
+            f"signed normal stress at eight points of the wall, one factor {usage.wall_scf:g}",
             "docs/theory.md",
         ),
         (
             "cycles",
-            "rainflow, every integration step included, residue as half cycles",
+            "rainflow of every integration step, residue as half cycles",
             "ASTM E1049-85 (2017)",
         ),
-        ("S-N curve", f"{curve.name}: {curve.description}", f"{curve.edition} {curve.source}"),
+        ("S-N curve", f"{joints.name}: {joints.description}", f"{joints.edition} {joints.source}"),
+    ]
+    if walls != joints:
+        rows.append(
+            ("S-N curve of walls", f"{walls.name}: {walls.description}", f"{walls.edition} {walls.source}")
+        )
+    return [
+        *rows,
         ("damage", "sum of n/N, no mean-stress correction", "Palmgren 1924; Miner 1945"),
         (
             "total stress",

@@ -136,7 +136,7 @@ class Records:
             "<h2>Records</h2>",
             _records_table(group, folder),
             "<h2>Methods and their sources</h2>",
-            methods_table(fatigue_methods(usage.curve, {})),
+            methods_table(fatigue_methods(usage)),
         ]
         subtitle = f"{group.model_name}, {n} records, {hours:.4g} h · structure {group.model_hash[:16]}"
         return page(f"Fatigue over {n} records", subtitle, body, figures)

@@ -105,7 +105,7 @@ def head_figures(data: ReportData) -> list[tuple[str, str]]:
         ("largest stress range", f"{1e-6 * fatigue.max_range.max():.1f} MPa"),
         ("most damaged member end", data.end_name),
         (
-            f"its damage in {fatigue.duration_s:.0f} s, nominal stress, SCF {fatigue.scf:g}",
+            f"its damage in {fatigue.duration_s:.0f} s, at {data.spot_name.split(' ', 1)[1]}°",
             power(float(fatigue.damage.max())),
         ),
     ]

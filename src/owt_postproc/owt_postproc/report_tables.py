@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owt_model.errors import InputError
+from owt_postproc.core.hot_spots import SCF_NAMES
 from owt_postproc.report_measures import YEAR_S, DesignLife
 from owt_postproc.report_usage import Usage
 
@@ -50,6 +51,8 @@ def usage_tables(usage: Usage, design: DesignLife | None) -> list[Table]:
         "member_end": usage.end_name,
         "member": member,
         "joint": joint,
+        "joint_class": usage.end_kind,
+        "nominal_because": usage.end_reason,
         "worst_spot": [usage.spot_name[s] for s in spot],
         **_spot_columns(usage, spot),
         "max_range_end_pa": usage.end_max_range,
@@ -81,7 +84,7 @@ def _spot_columns(usage: Usage, spot: np.ndarray) -> dict[str, Any]:
     return {
         "side": [usage.spot_side[s] for s in spot],
         "angle_deg": usage.spot_angle_deg[spot],
-        "scf": usage.spot_scf[spot],
+        **{f"scf_{name}": usage.spot_scf[spot, i] for i, name in enumerate(SCF_NAMES)},
         "damage": damage,
         "damage_per_year": damage * YEAR_S / max(usage.duration_s, 1e-300),
         "cycles": usage.cycles[spot],
@@ -133,9 +136,9 @@ def _arrow(table: Table, metadata: Mapping[str, str]) -> pyarrow.Table:
     """Arrow table with units in the metadata of its columns, and what made it in that of its schema."""
     import pyarrow
 
-    arrays = [pyarrow.array(values) for values in table.columns.values()]
+    arrays = [pyarrow.array(values, from_pandas=True) for values in table.columns.values()]
     schema = [
-        pyarrow.field(name, array.type, nullable=False, metadata={"unit": _unit(name)})
+        pyarrow.field(name, array.type, metadata={"unit": _unit(name)})
         for name, array in zip(table.columns, arrays, strict=True)
     ]
     known = {"table": table.name, **metadata}

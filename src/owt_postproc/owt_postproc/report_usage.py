@@ -7,15 +7,16 @@ that knows how a :class:`FatigueResult` is laid out; results of several records 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from owt_model.errors import InputError
-from owt_postproc.core.sn import SNCurve
-from owt_postproc.core.stage import POINT_ANGLE_DEG, FatigueResult
+from owt_postproc.core.hot_spots import SCF_NAMES
+from owt_postproc.core.sn_curve import SNCurve
+from owt_postproc.core.stage import FatigueResult
 
 __all__ = ["Usage", "add_up", "same_spots", "usage_of"]
 
@@ -34,8 +35,12 @@ class Usage:
         Member end that the spot belongs to.
     spot_angle_deg : float array [spot]
         Angle round the section.
-    spot_scf : float array [spot]
-        Stress concentration factor on the axial stress.
+    spot_scf : float array [spot, 8]
+        Stress concentration factors by ``SCF_NAMES``; NaN where there is none.
+    wall_scf : float
+        Stress concentration factor of walls, away from tubular connections.
+    end_kind, end_reason : tuples of str [end]
+        Class of the joint that the end makes, or why it has no tubular connection; empty otherwise.
     damage, cycles, max_range : float arrays [spot]
         Palmgren-Miner sum, cycles, and largest range in Pa of the normal stress, factor included.
     histogram : float array [spot, bin]
@@ -46,7 +51,8 @@ class Usage:
         Sum of range x count in Pa, and cycles, of the nominal von Mises stress.
     duration_s : float
         Time that was counted.
-    curve : SNCurve
+    curve, wall_curve : SNCurve
+        Of the hot spots of tubular joints, and of walls.
     """
 
     end_name: tuple[str, ...]
@@ -54,7 +60,10 @@ class Usage:
     spot_side: tuple[str, ...]
     spot_end: Int[np.ndarray, " spot"]
     spot_angle_deg: Float[np.ndarray, " spot"]
-    spot_scf: Float[np.ndarray, " spot"]
+    spot_scf: Float[np.ndarray, "spot 8"]
+    wall_scf: float
+    end_kind: tuple[str, ...]
+    end_reason: tuple[str, ...]
     damage: Float[np.ndarray, " spot"]
     cycles: Float[np.ndarray, " spot"]
     max_range: Float[np.ndarray, " spot"]
@@ -64,6 +73,7 @@ class Usage:
     von_mises_cycles: Float[np.ndarray, " end"]
     duration_s: float
     curve: SNCurve
+    wall_curve: SNCurve
 
     @cached_property
     def worst_spot(self) -> Int[np.ndarray, " end"]:
@@ -90,12 +100,26 @@ class Usage:
         """Spot of largest damage of all."""
         return int(self.worst_spot[np.argmax(self.end_damage)])
 
+    @property
+    def spot_factor(self) -> Float[np.ndarray, " spot"]:
+        """Largest stress concentration factor of each spot's connection and side, one brace loaded."""
+        four = self.spot_scf[:, :4]
+        there = np.isfinite(four).any(axis=1)
+        largest = np.where(np.isfinite(four), four, -np.inf).max(axis=1)
+        return np.where(there, largest, self.wall_scf)
+
     def describe(self, spot: int) -> str:
-        """Side, angle and factor of a spot in words."""
-        return (
-            f"{self.spot_side[spot]} at {self.spot_angle_deg[spot]:g}°, "
-            f"stress concentration factor {self.spot_scf[spot]:.3g}"
-        )
+        """Joint, side, angle and factors of a spot in words."""
+        side, angle = self.spot_side[spot], f"{self.spot_angle_deg[spot]:g}°"
+        kind = self.end_kind[int(self.spot_end[spot])]
+        factors = [
+            f"{name.replace('_', ' ')} {value:.2f}"
+            for name, value in zip(SCF_NAMES[:4], self.spot_scf[spot], strict=False)
+            if np.isfinite(value)
+        ]
+        if not factors:
+            return f"{side} at {angle}, stress concentration factor {self.wall_scf:g}"
+        return f"{side} of the {kind} joint at {angle}, stress concentration factors: {', '.join(factors)}"
 
 
 def usage_of(fatigue: FatigueResult, end_name: Sequence[str]) -> Usage:
@@ -108,25 +132,27 @@ def usage_of(fatigue: FatigueResult, end_name: Sequence[str]) -> Usage:
     end_name : sequence of str [end]
         Names of the member ends, in the order of the result.
     """
-    ends, points = fatigue.damage.shape
-    angle = np.tile(POINT_ANGLE_DEG, ends)
-    end = np.repeat(np.arange(ends), points)
+    spots = fatigue.hot_spots
     return Usage(
         end_name=tuple(end_name),
-        spot_name=tuple(f"{end_name[e]} wall {a:g}" for e, a in zip(end.tolist(), angle, strict=True)),
-        spot_side=("wall",) * (ends * points),
-        spot_end=end,
-        spot_angle_deg=angle,
-        spot_scf=np.full(ends * points, fatigue.scf),
-        damage=fatigue.damage.reshape(-1),
-        cycles=fatigue.cycles.reshape(-1),
-        max_range=fatigue.max_range.reshape(-1),
-        histogram=fatigue.histogram.reshape(ends * points, -1),
+        spot_name=spots.name,
+        spot_side=spots.side,
+        spot_end=spots.end,
+        spot_angle_deg=spots.angle_deg,
+        spot_scf=spots.scf,
+        wall_scf=fatigue.scf,
+        end_kind=spots.kind,
+        end_reason=spots.reason,
+        damage=fatigue.damage,
+        cycles=fatigue.cycles,
+        max_range=fatigue.max_range,
+        histogram=fatigue.histogram,
         range_edge=fatigue.range_edge,
         total_stress=fatigue.total_stress,
         von_mises_cycles=fatigue.von_mises_cycles,
         duration_s=fatigue.duration_s,
         curve=fatigue.curve,
+        wall_curve=fatigue.wall_curve,
     )
 
 
@@ -134,8 +160,9 @@ def same_spots(first: Usage, second: Usage) -> bool:
     """Whether two records speak of the same spots, factors, S-N curve and range bins."""
     return (
         first.spot_name == second.spot_name
-        and first.curve == second.curve
-        and np.array_equal(first.spot_scf, second.spot_scf)
+        and (first.curve, first.wall_curve) == (second.curve, second.wall_curve)
+        and first.wall_scf == second.wall_scf
+        and np.array_equal(first.spot_scf, second.spot_scf, equal_nan=True)
         and np.array_equal(first.range_edge, second.range_edge)
     )
 
@@ -157,20 +184,13 @@ def add_up(first: Usage, second: Usage) -> Usage:
             "have other spots, factors or S-N curves, so that their damage does not add up",
             "Add up records of one structure and one set of fatigue options.",
         )
-    return Usage(
-        end_name=first.end_name,
-        spot_name=first.spot_name,
-        spot_side=first.spot_side,
-        spot_end=first.spot_end,
-        spot_angle_deg=first.spot_angle_deg,
-        spot_scf=first.spot_scf,
+    return replace(
+        first,
         damage=first.damage + second.damage,
         cycles=first.cycles + second.cycles,
         max_range=np.maximum(first.max_range, second.max_range),
         histogram=first.histogram + second.histogram,
-        range_edge=first.range_edge,
         total_stress=first.total_stress + second.total_stress,
         von_mises_cycles=first.von_mises_cycles + second.von_mises_cycles,
         duration_s=first.duration_s + second.duration_s,
-        curve=first.curve,
     )

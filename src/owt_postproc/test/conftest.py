@@ -18,9 +18,11 @@ from owt_model.contracts import (
     ReducedDescription,
     StressBlock,
 )
+from owt_model.frame import frame_of_mesh
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import load_structure
 from owt_postproc.bag import BagWriter
+from owt_postproc.core.hot_spots import build_hot_spots
 from owt_postproc.core.stage import build_fatigue_model, final, initial_state, step
 from owt_postproc.report_data import ReportCollector, mesh_geometry
 
@@ -175,14 +177,15 @@ def flat(value, dtype=np.float64):
 
 
 def latched_messages(run: InventedRun, store) -> dict[str, bytes]:
-    mesh, reduced, none = run.mesh, run.reduced, np.zeros(0)
+    mesh, reduced = run.mesh, run.reduced
     owner = np.where(mesh.element_member < 0, 2**32 - 1, mesh.element_member)
     values = {
         "/owt/model": {
             "model_name": "oc4", "model_hash": "h", "node_name": list(mesh.node_name),
             "node_position_m": flat(mesh.node_position), "node_dof": flat(mesh.node_dof, np.int32),
             "member_name": list(mesh.member_name), "member_node": flat(mesh.member_node, np.uint32),
-            "member_diameter_m": none, "member_thickness_m": none,
+            "member_diameter_m": mesh.element_diameter[mesh.member_element[:, 0]],
+            "member_thickness_m": mesh.element_thickness[mesh.member_element[:, 0]],
             "element_member": flat(owner, np.uint32), "element_node": flat(mesh.element_node, np.uint32),
         },
         "/owt/sea_state": run.sea,
@@ -249,7 +252,7 @@ def run() -> InventedRun:
 @pytest.fixture(scope="session")
 def report_data(run):
     """Report data as a run in process collects it."""
-    model = build_fatigue_model(run.case, len(run.reduced.end_name))
+    model = build_fatigue_model(run.case, build_hot_spots(frame_of_mesh(run.mesh), run.case.fatigue))
     state, collector = initial_state(model), ReportCollector(run.reduced.tower_top_coordinate)
     for block in run.blocks:
         collector.add(block)

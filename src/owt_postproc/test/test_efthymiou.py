@@ -17,7 +17,7 @@ from owt_postproc.core.efthymiou import Shape
 
 DATA = json.loads((Path(__file__).parent / "data" / "efthymiou_values.json").read_text())
 DOCS = Path(__file__).parents[3] / "docs" / "hot_spots.md"
-#: b, g, t, s, a: beta, gamma, tau, theta, alpha of the brace; C, z, x: fixity, zeta, 1 + zeta sin(theta)/beta.
+#: b, g, t, s, a: beta, gamma, tau, theta, alpha of the brace; C fixity, z zeta, x 1 + zeta sin(theta)/beta.
 PRINTED = {
     "T1": "g*t**1.1*(1.11-3*(b-0.52)**2)*sin(s)**1.6",
     "T2": "g**0.2*t*(2.65+5*(b-0.65)**2)+t*b*(0.25*a-3)*sin(s)",
@@ -47,7 +47,8 @@ PRINTED = {
     "K2": "1+K1*(1.97-1.57*b**0.25)*t**-0.14*sin(s)**0.7"
     "+over*b**1.5*g**0.5*t**-1.22*sin(smax+smin)**1.8*(0.131-0.084*atan(14*z+4.2*b))",
     "K3": "T9*(0.9+0.4*b)",
-    "K4": "T10*(1-0.08*(bo*g)**0.5*exp(-0.8*x))+T10o*(1-0.08*(b*g)**0.5*exp(-0.8*x))*(2.05*bmax**0.5*exp(-1.3*x))",
+    "K4": "T10*(1-0.08*(bo*g)**0.5*exp(-0.8*x))"
+    "+T10o*(1-0.08*(b*g)**0.5*exp(-0.8*x))*(2.05*bmax**0.5*exp(-1.3*x))",
     "K5": "t**-0.54*g**-0.05*(0.99-0.47*b+0.08*b**4)*K4",
     "K6": "T10*(1-0.08*(bo*g)**0.5*exp(-0.8*x))",
     "K7": "t**-0.54*g**-0.05*(0.99-0.47*b+0.08*b**4)*K6",
@@ -98,8 +99,8 @@ def pair(p: Shape, q: Shape, zeta: float, through: float = 0.0) -> dict[str, flo
 def printed(p: Shape, q: Shape, fixity: float, zeta: float, over: float = 0.0) -> dict[str, float]:
     """Values of the printed equations."""
     known = {
-        "b": p.beta, "g": p.gamma, "t": p.tau, "s": p.theta, "a": p.alpha, "C": fixity, "z": zeta, "over": over,
-        "bo": q.beta, "bmax": max(p.beta, q.beta), "bmin": min(p.beta, q.beta),
+        "b": p.beta, "g": p.gamma, "t": p.tau, "s": p.theta, "a": p.alpha, "C": fixity, "z": zeta,
+        "over": over, "bo": q.beta, "bmax": max(p.beta, q.beta), "bmin": min(p.beta, q.beta),
         "smax": max(p.theta, q.theta), "smin": min(p.theta, q.theta),
         "x": 1.0 + zeta * math.sin(p.theta) / p.beta,
         "T10o": q.gamma * q.tau * q.beta * (1.7 - 1.05 * q.beta**3) * math.sin(q.theta) ** 1.6,

@@ -120,7 +120,7 @@ def ends_table(usage: Usage, design: DesignLife | None) -> str:
         "at angle, °", "largest factor", "cycles", "largest range, MPa", "total stress, MPa",
     ]  # fmt: skip
     caption = (
-        f"All {len(rows)} member ends, each by its most damaged spot; click a heading to sort. Largest factor: "
+        f"All {len(rows)} member ends, each by its worst spot; click a heading to sort. Largest factor: "
         "of its stress concentration factors. Total stress: the measure of the thesis, no damage."
     )
     return table("member_ends", head, rows, caption=caption, printed=PRINTED_ROWS)

@@ -16,13 +16,13 @@ from owt_postproc.report_usage import Usage
 
 __all__ = ["colour_of", "jacket"]
 
-TOWER, TOWER_SHOWN_M = "#b9c2ca", 20.0
+TOWER, TOWER_SHOWN_M, JOINT = "#b9c2ca", 20.0, "#8b97a3"
 #: Corners of a tube's section, and stations along each half of it, where the pointer finds it.
 CORNERS, STATIONS = 12, 4
 #: Diameter in m of tubes whose own is not recorded.
 USUAL_DIAMETER_M = 1.0
 #: Diameter of a joint's ball over that of the thickest member there.
-JOINT_SIZE = 1.25
+JOINT_SIZE = 1.18
 VIEWS = ((0, "x"), (1, "y"))
 
 
@@ -141,7 +141,7 @@ def _joints(usage: Usage, geometry: Geometry) -> dict[str, Any]:
         "type": "mesh3d",
         **{name: numbers(flat[:, i]) for i, name in enumerate("xyz")},
         **{name: faces[:, i].tolist() for i, name in enumerate("ijk")},
-        "color": FAINT,
+        "color": JOINT,
         "text": [line for line in text for _ in corner],
         "hoverinfo": "text",
         "showlegend": False,

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from browser import Opened, browser, open_page
+from browser import Opened, browser, chromium, open_page
 from owt_postproc.report import write_report
 from owt_postproc.report_html import write_page
 from owt_postproc.report_records import Records
@@ -36,6 +36,18 @@ def opened(started, written) -> Iterator[Opened]:
     one = open_page(started, written)
     yield one
     one.close()
+
+
+def test_without_a_browser_nothing_is_green(monkeypatch):
+    """It fails and says what to do, or skips where that is asked for."""
+    monkeypatch.delenv("OWT_NO_BROWSER", raising=False)
+    monkeypatch.delenv("OWT_CHROMIUM", raising=False)
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(pytest.fail.Exception, match="apt-get install chromium"):
+        chromium()
+    monkeypatch.setenv("OWT_NO_BROWSER", "1")
+    with pytest.raises(pytest.skip.Exception, match="no page was looked at"):
+        chromium()
 
 
 def check_quiet(opened: Opened) -> None:
@@ -181,9 +193,11 @@ def test_the_selector_recolours(opened):
         note = page.locator("#measure-note").text_content()
         seen[option] = (title, note, json.dumps(page.evaluate(colours)), json.dumps(page.evaluate(strokes)))
         assert 0.0 <= min(json.loads(seen[option][2])) <= max(json.loads(seen[option][2])) <= 1.0
-    same = "utilisation" in options  # on a logarithmic scale it has the colours of the damage
-    for part in range(4):
-        assert len({one[part] for one in seen.values()}) == len(options) - (same and part >= 2)
+    for part in range(4):  # on its logarithmic scale utilisation has the colours of the damage
+        assert len({seen[option][part] for option in options[:3]}) == 3
+    damage, used = (json.loads(seen[option][2]) for option in ("damage", "utilisation"))
+    np.testing.assert_allclose(used, damage, atol=2e-4)
+    assert seen["utilisation"][0] != seen["damage"][0]
     page.locator("#measure").select_option("damage")
     assert json.dumps(page.evaluate(colours)) == seen["damage"][2]
 

@@ -108,13 +108,19 @@
   }
 
   // Paper is narrower than the screen, and asks for the width before it lays the page out.
-  const PAPER = 690;
-  const flat = () => Array.from(document.querySelectorAll(".js-plotly-plot")).filter((one) => one.id !== "plot-jacket");
+  const PAPER = 690, SHORTER = 0.75;
+  const flat = figures.filter((figure) => !figure.extra.measures);
+  function size(figure, height, change) {
+    const place = document.getElementById("plot-" + figure.key);
+    place.style.height = height + "px";
+    Plotly.relayout(place, { height, ...change });
+  }
+  const heights = flat.map((figure) => figure.layout.height);
   window.addEventListener("beforeprint", () => {
-    for (const place of flat()) Plotly.relayout(place, { autosize: false, width: PAPER });
+    flat.forEach((figure, i) => size(figure, SHORTER * heights[i], { autosize: false, width: PAPER }));
   });
   window.addEventListener("afterprint", () => {
-    for (const place of flat()) Plotly.relayout(place, { autosize: true, width: null });
+    flat.forEach((figure, i) => size(figure, heights[i], { autosize: true, width: null }));
   });
   document.body.dataset.ready = "yes";
 })();

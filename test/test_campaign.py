@@ -86,7 +86,12 @@ def test_a_scheduler_of_ones_own(cases: list[CaseConfig], reference: list[CaseOu
     from distributed import LocalCluster
 
     with LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=False, host="127.0.0.1", dashboard_address=None
+        n_workers=1,
+        threads_per_worker=1,
+        processes=False,
+        host="127.0.0.1",
+        protocol="tcp",
+        dashboard_address=None,
     ) as one:
         same(outcomes(list(run_cases(cases, workers=0, scheduler=one.scheduler_address))), reference)
 

@@ -320,7 +320,6 @@ def test_errors_against_the_full_model(tmp_path: Path) -> None:
         (["--seeds", "0"], "seeds = 0"),
         (["--workers", "-1"], "workers = -1"),
         (["--resume", "--overwrite"], "--resume"),
-        (["--design-fatigue-factor", "0"], "design-fatigue-factor"),
         (["--duration", "0.05"], "duration"),
         (["--rose", "missing.csv"], "wave rose"),
     ],

@@ -87,7 +87,7 @@ def _duration(seconds: float) -> str:
     return f"{seconds / 60.0:.0f} min" if seconds < 6000.0 else f"{seconds / 3600.0:.1f} h"
 
 
-def summary(result: CampaignResult, design_fatigue_factor: float, elapsed: float) -> dict[str, Any]:
+def summary(result: CampaignResult, elapsed: float) -> dict[str, Any]:
     """The campaign as plain numbers."""
     plan = result.plan
     rows = plan.table.rows
@@ -107,7 +107,6 @@ def summary(result: CampaignResult, design_fatigue_factor: float, elapsed: float
         "table": plan.table.name,
         "occurrence": plan.occurrence.source,
         "occurrence_assumed": plan.occurrence.assumed,
-        "design_fatigue_factor": design_fatigue_factor,
         "totals": {},
     }  # fmt: skip
     if result.seconds:
@@ -116,10 +115,12 @@ def summary(result: CampaignResult, design_fatigue_factor: float, elapsed: float
         }  # fmt: skip
         numbers["worker_peak_memory_mib"] = float(np.max(result.peak_memory_mib))
     if result.sample is not None:
+        factor = result.sample.case.fatigue.design_fatigue_factor
+        numbers["design_fatigue_factor"] = factor
         spots = result.sample.fatigue.hot_spots
         for order, totals in result.totals.items():
             worst = int(np.argmax(totals.damage_per_year))
-            life = float(totals.life_years(design_fatigue_factor)[worst])
+            life = float(totals.life_years(factor)[worst])
             numbers["totals"][str(order)] = {
                 "probability_covered": totals.covered,
                 "worst_spot": spots.name[worst],

@@ -119,7 +119,6 @@ def run_campaign(
     workers: int,
     scheduler: str | None = None,
     cluster: str = "spec",
-    design_fatigue_factor: float = 3.0,
     attributes: Mapping[str, Any] | None = None,
     on_start: Callable[[str], None] | None = None,
     on_done: Callable[[CaseRecord], None] | None = None,
@@ -134,8 +133,6 @@ def run_campaign(
         From :func:`campaign_folder`.
     workers, scheduler, cluster, on_start, on_done
         See :func:`owt_campaign.runner.run_cases`.
-    design_fatigue_factor : float
-        Damage is multiplied by it before the life is taken.
     attributes : mapping, optional
         Provenance.
 
@@ -165,7 +162,7 @@ def run_campaign(
             result.peak_memory_mib.append(record.peak_memory_mib)
     result.distrusted = len(store.distrusted)
     described = {"title": "Load-case campaign", "cluster": cluster, **_described(plan), **(attributes or {})}
-    _write_results(result, store, keys, folder, described, design_fatigue_factor)
+    _write_results(result, store, keys, folder, described)
     return result
 
 
@@ -186,7 +183,6 @@ def _write_results(
     keys: Mapping[Place, str],
     folder: Path,
     attributes: dict[str, Any],
-    design_fatigue_factor: float,
 ) -> None:
     """Write the dataset and the tables from the files of the cases."""
     plan = result.plan
@@ -195,6 +191,7 @@ def _write_results(
     if result.sample is None:
         return
     mesh = result.mesh = build_mesh(case_structure(result.sample.case.structure))
+    design_fatigue_factor = result.sample.case.fatigue.design_fatigue_factor
     case = result.sample.case.model_dump(mode="json")
     case.pop("sea_state")
     attributes |= {

@@ -34,6 +34,9 @@ class OrderTotals:
     cycles_per_year : float array [spot, bin]
     row_damage_per_year : float array [row, spot]
         Share of each row in `damage_per_year`.
+    von_mises_cycles_per_year : float array [end]
+    max_range : float array [spot]
+        Largest range in Pa of all cases.
     """
 
     covered: float
@@ -41,6 +44,8 @@ class OrderTotals:
     total_stress_per_year: Float[np.ndarray, " end"]
     cycles_per_year: Float[np.ndarray, "spot bin"]
     row_damage_per_year: Float[np.ndarray, "row spot"]
+    von_mises_cycles_per_year: Float[np.ndarray, " end"]
+    max_range: Float[np.ndarray, " spot"]
 
     def life_years(self, design_fatigue_factor: float) -> Float[np.ndarray, " spot"]:
         """Years until the damage times the design fatigue factor is 1; inf without damage."""
@@ -68,27 +73,31 @@ class TotalsBuilder:
             return
         per_year = [YEAR_S / _record_s(outcome) for outcome in outcomes]
         weight = self._probability[row] / len(outcomes)
-        damage, stress, cycles = (
+        damage, stress, cycles, unsigned = (
             weight
-            * np.sum(
-                [factor * getattr(o.fatigue, name) for factor, o in zip(per_year, outcomes, strict=True)],
-                axis=0,
-            )
-            for name in ("damage", "total_stress", "histogram")
+            * np.sum([f * getattr(o.fatigue, name) for f, o in zip(per_year, outcomes, strict=True)], axis=0)
+            for name in ("damage", "total_stress", "histogram", "von_mises_cycles")
         )
         if self._damage is None:
             self._damage = np.zeros((len(self._probability), len(damage)))
             self._stress, self._cycles = np.zeros_like(stress), np.zeros_like(cycles)
+            self._unsigned, self._largest = np.zeros_like(unsigned), np.zeros_like(damage)
         self._damage[row] = damage
         self._stress += stress
         self._cycles += cycles
+        self._unsigned += unsigned
+        for outcome in outcomes:
+            self._largest = np.maximum(self._largest, outcome.fatigue.max_range)
         self._covered += float(self._probability[row])
 
     def totals(self) -> OrderTotals | None:
         """The totals; None if no row was added."""
         if self._damage is None:
             return None
-        return OrderTotals(self._covered, self._damage.sum(axis=0), self._stress, self._cycles, self._damage)
+        whole = self._damage.sum(axis=0)
+        return OrderTotals(
+            self._covered, whole, self._stress, self._cycles, self._damage, self._unsigned, self._largest
+        )
 
 
 def _record_s(outcome: CaseOutcome) -> float:

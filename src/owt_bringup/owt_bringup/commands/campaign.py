@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 HELP = "a load-case table or scatter diagram: every sea state, seed and wave order, on Dask"
 ORDERS = {"1": (1,), "2": (2,), "both": (1, 2)}
 CLUSTERS = ("spec", "dir", "hs", "tot")
-#: DNV-ST-0126: for what is neither inspected nor repaired.
-DESIGN_FATIGUE_FACTOR = 3.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,10 +53,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--rose", type=Path, metavar="ROSE.csv",
         help="wave rose for the probabilities of a table (default: its column probability or occurrence; "
         "without one an assumed rose)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--design-fatigue-factor", type=float, default=DESIGN_FATIGUE_FACTOR, metavar="F",
-        help=f"damage counts this many times for the life (default {DESIGN_FATIGUE_FACTOR:g})",
     )  # fmt: skip
     add_case_flags(parser, without=("hs", "tp", "direction", "order", "rate"))
     parser.add_argument(
@@ -104,15 +98,9 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.campaign_output import CampaignProgress, print_outcome, summary
     from owt_bringup.output import write_json
     from owt_campaign.campaign import campaign_folder, run_campaign
+    from owt_campaign.campaign_report import write_report
     from owt_model.versions import versions
 
-    if not options.design_fatigue_factor >= 1.0:
-        raise InputError(
-            "--design-fatigue-factor",
-            options.design_fatigue_factor,
-            "must be 1 or more",
-            "DNV has 1, 2 and 3.",
-        )
     workers = len(os.sched_getaffinity(0)) if options.workers is None else options.workers
     plan = _plan(options)
     with campaign_folder(options.output, resume=options.resume, overwrite=options.overwrite) as folder:
@@ -127,13 +115,13 @@ def run(options: argparse.Namespace) -> int:
                 workers=workers,
                 scheduler=options.scheduler,
                 cluster=options.clustering,
-                design_fatigue_factor=options.design_fatigue_factor,
                 attributes={f"version_{name}": text for name, text in versions().items()},
                 on_start=progress.started,
                 on_done=progress.done,
             )
-        numbers = summary(result, options.design_fatigue_factor, progress.elapsed)
+        numbers = summary(result, progress.elapsed)
         write_json(folder / "summary.json", numbers)
+        write_report(result, folder)
         print_outcome(result, numbers, folder)
     return 1 if result.failed else 0
 

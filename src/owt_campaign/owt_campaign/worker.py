@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import resource
+import threading
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -32,6 +33,8 @@ __all__ = ["MODELS", "ClusterBasis", "WorkerResult", "compute_basis", "compute_c
 MODELS = 4
 
 _models: OrderedDict[tuple[str, str, str], SharedModel] = OrderedDict()
+#: A worker of another scheduler may have several threads.
+_lock = threading.RLock()
 
 
 @dataclass(frozen=True)
@@ -103,16 +106,17 @@ def _evaluate(
 def _prepared(case: CaseConfig, structure: str, cluster: ClusterBasis | None) -> SharedModel:
     """The model of a case, prepared by the first case that needs it."""
     key = (model_key(case), structure, "" if cluster is None else cluster.token)
-    model = _models.get(key)
-    if model is None:
-        if cluster is None:
-            model = prepare_model(case)
-        else:
-            model = _prepared(case, structure, None).with_basis(case, cluster.basis)
-        _models[key] = model
-        while len(_models) > MODELS:
-            _models.popitem(last=False)
-    _models.move_to_end(key)
+    with _lock:
+        model = _models.get(key)
+        if model is None:
+            if cluster is None:
+                model = prepare_model(case)
+            else:
+                model = _prepared(case, structure, None).with_basis(case, cluster.basis)
+            _models[key] = model
+            while len(_models) > MODELS:
+                _models.popitem(last=False)
+        _models.move_to_end(key)
     return model
 
 

@@ -106,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
     for note in (
         *(() if recorded is None else recorded.notes),
         *data.reduced.notes,
-        *data.fatigue.hot_spots.notes,
+        *data.fatigue.hot_spots.warnings,
     ):
         print(f"note: {note}", file=sys.stderr)
     if recorded is None:

@@ -55,6 +55,12 @@ class RunningCount:
         return self._model is not None
 
     @property
+    def reduced(self) -> ReducedDescription:
+        """The description of the reduced model, once it is known."""
+        assert self._reduced is not None
+        return self._reduced
+
+    @property
     def is_closed(self) -> bool:
         """Whether the block marked last has been counted."""
         return self._state is not None and self._state.closed

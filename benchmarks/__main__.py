@@ -15,6 +15,7 @@ import sys
 from pathlib import Path
 
 from benchmarks.chain import bench_rainflow, bench_structure
+from benchmarks.engine import bench_engine
 from benchmarks.fatigue import bench_fatigue
 from benchmarks.graph import bench_graph
 from benchmarks.measure import Table, matmul_seconds
@@ -26,6 +27,7 @@ PARTS = {
     "long": bench_long,
     "structure": bench_structure,
     "rainflow": bench_rainflow,
+    "engine": bench_engine,
     "fatigue": bench_fatigue,
     "commands": bench_commands,
     "graph": bench_graph,

@@ -80,7 +80,29 @@ def extract_cycles(signal, stack, depth, last, ranges, means, halves, repeats=Fa
     for i in range(first, n):
         value = signal[i]
         if ((last > point) & (value < last)) | ((last < point) & (value > last)):
-            depth, found = _push(stack, depth, last, ranges, means, halves, found, repeats)
+            # As _push, which costs four times as much here: a call for every turning point.
+            stack[depth] = last
+            depth += 1
+            outer = abs(last - point)
+            while depth >= 3:
+                inner = abs(stack[depth - 2] - stack[depth - 3])
+                if outer < inner:
+                    break
+                if repeats and (depth == 3 or abs(stack[depth - 3] - stack[depth - 4]) < inner):
+                    break
+                ranges[found] = inner
+                means[found] = 0.5 * (stack[depth - 2] + stack[depth - 3])
+                if depth == 3:
+                    halves[found] = 1
+                    stack[0] = stack[1]
+                    stack[1] = last
+                    depth = 2
+                else:
+                    halves[found] = 2
+                    stack[depth - 3] = last
+                    depth -= 2
+                    outer = abs(last - stack[depth - 2])
+                found += 1
             point = last
         last = value
     return depth, last, found

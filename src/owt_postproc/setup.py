@@ -24,6 +24,7 @@ setup(
         "pyarrow",
         "pydantic>=2",
         "rosbags",
+        "scipy",
         "zstandard",
     ],
     extras_require={"test": ["beartype", "hypothesis", "pytest", "pytest-timeout"]},

@@ -5,18 +5,27 @@ The producer of the loads and the reduction both speak of this basis, so it live
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.linalg import blas, eigh
 from scipy.sparse.linalg import eigsh, svds
 
+from owt_model.block_lanczos import leading_shapes
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 
-__all__ = ["BANDS", "Scatter", "clustered_basis", "load_basis"]
+__all__ = [
+    "BANDS",
+    "CaseScatter",
+    "Scatter",
+    "case_scatter",
+    "clustered_basis",
+    "joined_basis",
+    "load_basis",
+]
 
 #: Largest residual |X v - sigma u| / sigma_1 of a Lanczos vector that is accepted.
 TOLERANCE = 1e-11
@@ -26,8 +35,8 @@ DENSE = 200
 BANDS = 256
 #: Share of the variance of the loads below their highest frequency, and random sums of loads that tell it.
 BELOW_HIGHEST, SUMS = 0.999, 16
-#: Snapshots whose mean is removed at a time.
-CHUNK = 512
+#: Snapshots whose mean is removed at a time, and rows.
+CHUNK, ROWS = 512, 32
 
 
 def load_basis(
@@ -39,7 +48,8 @@ def load_basis(
 ) -> LoadBasis:
     """Return the `n_vectors` most energetic spatial vectors of a load history [eq. E.3-E.7].
 
-    The mean is removed first (E.3). A restarted Lanczos method finds just the leading singular triplets.
+    The mean is removed first (E.3). A Lanczos method finds just the leading singular triplets. Histories with
+    time last in memory are not copied.
 
     Parameters
     ----------
@@ -59,15 +69,16 @@ def load_basis(
     """
     n_snapshots = nodal.shape[0]
     mean = nodal.mean(axis=0)
-    snapshots = (nodal - mean).reshape(n_snapshots, -1)
-    variance = float(np.vdot(snapshots, snapshots))
+    rows, row_mean = nodal.reshape(n_snapshots, -1).T, mean.reshape(-1)
+    variance = _variance(rows, row_mean)
     if n_vectors == 0 or variance == 0.0:
         bare = LoadBasis(
             model_hash, node, np.zeros((0, *mean.shape)), np.zeros(0), variance, mean, n_snapshots
         )
-        return replace(bare, highest_frequency=_highest_frequency(snapshots))
-    sigma, vectors = _leading(snapshots, n_vectors)
-    floor = np.sqrt(variance) * np.finfo(float).eps * max(snapshots.shape)
+        return replace(bare, highest_frequency=_highest_frequency(rows, row_mean, variance))
+    found = leading_shapes(rows, row_mean, n_vectors)
+    sigma, vectors = _leading((rows - row_mean[:, None]).T, n_vectors) if found is None else found
+    floor = np.sqrt(variance) * np.finfo(float).eps * max(rows.shape)
     sigma, vectors = _kept(sigma, vectors, floor)
     return LoadBasis(
         model_hash=model_hash,
@@ -77,8 +88,8 @@ def load_basis(
         total_variance=variance,
         mean=mean,
         snapshots=n_snapshots,
-        spectrum=_spectrum(snapshots @ vectors.T),
-        highest_frequency=_highest_frequency(snapshots),
+        spectrum=_spectrum(_amplitudes(rows, row_mean, vectors)),
+        highest_frequency=_highest_frequency(rows, row_mean, variance),
     )
 
 
@@ -117,25 +128,87 @@ def clustered_basis(
     InputError
         If there is no case, or one has other nodes.
     """
-    scatter, means, snapshots = Scatter(), [], 0
-    for nodal in histories:
-        if nodal.shape[1] != len(node):
-            raise InputError(
-                "load history", nodal.shape[1], f"must have {len(node)} nodes, as the others", "Use one mesh."
-            )
-        mean = nodal.mean(axis=0)
-        fluctuation = nodal - mean
-        norm = float(np.linalg.norm(fluctuation))
-        scatter.add(fluctuation / norm if norm > 0.0 else fluctuation)
-        means.append(mean)
-        snapshots += len(nodal)
-    if not means:
+
+    def parts() -> Iterator[CaseScatter]:
+        for nodal in histories:
+            if nodal.shape[1] != len(node):
+                raise InputError(
+                    "load history",
+                    nodal.shape[1],
+                    f"must have {len(node)} nodes, as the others",
+                    "Use one mesh.",
+                )
+            yield case_scatter(nodal)
+
+    return joined_basis(parts(), node, n_vectors, model_hash=model_hash)
+
+
+@dataclass(frozen=True)
+class CaseScatter:
+    """What a case adds to a basis that it shares: 8 bytes per pair of load components.
+
+    Attributes
+    ----------
+    mean : float array [loaded, 6]
+        Mean load.
+    matrix : float array [loaded*6, loaded*6]
+        Upper triangle of the scatter of what is left, divided by its trace: the square of the Frobenius norm.
+    snapshots : int
+        Snapshots that it was made from.
+    """
+
+    mean: Float[np.ndarray, "loaded 6"]
+    matrix: Float[np.ndarray, "dof dof"]
+    snapshots: int
+
+
+def case_scatter(nodal: Float[np.ndarray, "snapshot loaded 6"]) -> CaseScatter:
+    """Normalised scatter of the loads of one case."""
+    mean = nodal.mean(axis=0)
+    rows, row_mean = nodal.reshape(len(nodal), -1).T, mean.reshape(-1)
+    matrix = np.zeros((len(rows), len(rows)), order="F")
+    for i in range(0, len(nodal), CHUNK):
+        part = np.asfortranarray(rows[:, i : i + CHUNK] - row_mean[:, None])
+        matrix = blas.dsyrk(1.0, part, beta=1.0, c=matrix, overwrite_c=1)
+    variance = float(np.trace(matrix))
+    return CaseScatter(mean, matrix / variance if variance > 0.0 else matrix, len(nodal))
+
+
+def joined_basis(
+    parts: Iterable[CaseScatter], node: Int[np.ndarray, " loaded"], n_vectors: int, *, model_hash: str
+) -> LoadBasis:
+    """Basis of several cases from their parts, which are added in the order in which they come.
+
+    Parameters and result as in :func:`clustered_basis`.
+
+    Raises
+    ------
+    InputError
+        If there is no part.
+    """
+    total, mean, snapshots, count = np.zeros((0, 0)), np.zeros((0, 6)), 0, 0
+    for part in parts:
+        total = total + part.matrix if count else part.matrix
+        mean = mean + part.mean if count else part.mean
+        snapshots, count = snapshots + part.snapshots, count + 1
+    if not count:
         raise InputError("load histories", 0, "must be one or more", "Give the loads of a case.")
-    return replace(
-        scatter.basis(node, n_vectors, model_hash=model_hash),
-        mean=np.mean(means, axis=0),
-        snapshots=snapshots,
-    )
+    mean = mean / count
+    sigma, vectors = _of_scatter(total, mean.shape, n_vectors)
+    return LoadBasis(model_hash, node, vectors, sigma, float(np.trace(total)), mean, snapshots)
+
+
+def _of_scatter(
+    matrix: Float[np.ndarray, "dof dof"], shape: tuple[int, ...], n_vectors: int
+) -> tuple[Float[np.ndarray, " value"], Float[np.ndarray, "value loaded 6"]]:
+    """Singular values and vectors from the upper triangle of a scatter matrix."""
+    if not n_vectors:
+        return np.zeros(0), np.zeros((0, *shape))
+    value, vectors = _largest(matrix, n_vectors)
+    sigma = np.sqrt(np.maximum(value, 0.0))
+    floor = np.sqrt(float(np.trace(matrix)) * np.finfo(float).eps * len(matrix))
+    sigma, vectors = _kept(sigma, vectors, floor)
+    return sigma, vectors.reshape(len(sigma), *shape)
 
 
 class Scatter:
@@ -174,15 +247,9 @@ class Scatter:
 
     def basis(self, node: Int[np.ndarray, " loaded"], n_vectors: int, *, model_hash: str) -> LoadBasis:
         """Most energetic spatial vectors of all snapshots added: `n_vectors`, or as many as there are."""
-        mean, variance = self._mean.reshape(self._shape), float(np.trace(self._matrix))
-        vectors, sigma = np.zeros((0, *self._shape)), np.zeros(0)
-        if n_vectors:
-            value, shape = _largest(self._matrix, n_vectors)
-            sigma = np.sqrt(np.maximum(value, 0.0))
-            floor = np.sqrt(variance * np.finfo(float).eps * mean.size)
-            sigma, shape = _kept(sigma, shape, floor)
-            vectors = shape.reshape(len(sigma), *self._shape)
-        return LoadBasis(model_hash, node, vectors, sigma, variance, mean, self.count)
+        mean = self._mean.reshape(self._shape)
+        sigma, vectors = _of_scatter(self._matrix, self._shape, n_vectors)
+        return LoadBasis(model_hash, node, vectors, sigma, float(np.trace(self._matrix)), mean, self.count)
 
 
 def _kept(
@@ -196,25 +263,43 @@ def _kept(
     return sigma, np.asarray(vectors * np.sign(largest)[:, None])
 
 
-def _spectrum(amplitude: Float[np.ndarray, "snapshot shape"]) -> Float[np.ndarray, "shape band"]:
+def _variance(rows: Float[np.ndarray, "dof snapshot"], mean: Float[np.ndarray, " dof"]) -> float:
+    """Sum of the squares of all rows, each without its mean."""
+    total = 0.0
+    for i in range(0, len(rows), ROWS):
+        part = rows[i : i + ROWS] - mean[i : i + ROWS, None]
+        total += float(np.einsum("ds,ds->", part, part))
+    return total
+
+
+def _amplitudes(
+    rows: Float[np.ndarray, "dof snapshot"],
+    mean: Float[np.ndarray, " dof"],
+    vectors: Float[np.ndarray, "shape dof"],
+) -> Float[np.ndarray, "shape snapshot"]:
+    """Amplitudes of shapes in the rows without their mean."""
+    return np.asarray(vectors @ rows - (vectors @ mean)[:, None])
+
+
+def _spectrum(amplitude: Float[np.ndarray, "shape snapshot"]) -> Float[np.ndarray, "shape band"]:
     """Variance of each amplitude in :data:`BANDS` equal bands up to half the sampling frequency."""
-    n, n_shapes = amplitude.shape
-    power = np.abs(np.fft.rfft(amplitude, axis=0)) ** 2 / n**2
-    power[1 : (n + 1) // 2] *= 2.0  # all but frequency 0 and the folding frequency stand for two lines
-    band = np.minimum(2 * BANDS * np.arange(len(power)) // n, BANDS - 1)
-    spectrum = np.zeros((BANDS, n_shapes))
-    np.add.at(spectrum, band, power)
-    return np.ascontiguousarray(spectrum.T)
+    n = amplitude.shape[1]
+    power = np.abs(np.fft.rfft(amplitude)) ** 2 / n**2
+    power[:, 1 : (n + 1) // 2] *= 2.0  # all but frequency 0 and the folding frequency stand for two lines
+    band = np.minimum(2 * BANDS * np.arange(power.shape[1]) // n, BANDS - 1)
+    return np.array([np.bincount(band, weights=row, minlength=BANDS) for row in power])
 
 
-def _highest_frequency(snapshots: Float[np.ndarray, "snapshot dof"]) -> float:
+def _highest_frequency(
+    rows: Float[np.ndarray, "dof snapshot"], mean: Float[np.ndarray, " dof"], variance: float
+) -> float:
     """Frequency in cycles per sample below which nearly all variance lies; 0 of loads that do not change.
 
     Sums of all loads with random signs, each load on its own scale in newtons, stand for their spectra.
     """
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(snapshots.shape[1], SUMS))
-    share = np.cumsum(_spectrum(snapshots @ signs).sum(axis=0))
-    if not share[-1] > 0.0:
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(rows), SUMS)).T
+    share = np.cumsum(_spectrum(_amplitudes(rows, mean, signs)).sum(axis=0))
+    if not (variance > 0.0 and share[-1] > 0.0):
         return 0.0
     return (int(np.searchsorted(share, BELOW_HIGHEST * share[-1])) + 1) / (2.0 * BANDS)
 

@@ -92,6 +92,12 @@ class Fatigue(Frozen):
         le=1.0,
         description="fixity C of the chord's ends, 0.5 fixed to 1 pinned, with its length",
     )
+    design_life_years: float = Field(
+        25.0, gt=0.0, le=1000.0, description="design life in years, for the utilisation that reports show"
+    )
+    design_fatigue_factor: float = Field(
+        3.0, ge=1.0, le=100.0, description="factor on damage in the utilisation that reports show"
+    )
     joints: dict[str, JointChoice] = Field(
         default_factory=dict,
         description="choices by joint (J21) or brace end (M056:J21), which goes before the joint",

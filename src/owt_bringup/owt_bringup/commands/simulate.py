@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from owt_bringup.bag_case import RecordedRun
     from owt_model.config import CaseConfig
 
-HELP = "the whole chain in one process: summary.json, series.npz and report.html"
+HELP = "the whole chain in one process: report, tables, summary.json and series.npz"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

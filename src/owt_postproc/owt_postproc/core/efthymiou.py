@@ -8,6 +8,7 @@ tau = t/T, alpha = 2 L/D, zeta = gap/D.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan, exp, sin, sqrt
 
@@ -16,8 +17,10 @@ __all__ = [
     "LONG_CHORD",
     "Shape",
     "brace_of_out_of_plane",
+    "carried",
     "k1",
     "k2",
+    "near",
     "overlap_in_plane",
     "short_chord_fixed",
     "short_chord_general",
@@ -170,24 +173,25 @@ def x_one_brace(p: Shape) -> float:
     return 1.0 - 0.26 * p.beta**3
 
 
-def k1(p: Shape, other: Shape, zeta: float) -> float:
-    """Chord under the brace `p`, balanced axial load of two braces in one plane (20)."""
-    sines = sorted((sin(p.theta), sin(other.theta)))
-    betas = sorted((p.beta, other.beta))
+def k1(p: Shape, others: Sequence[Shape], zeta: float) -> float:
+    """Chord under the brace `p`, axial load balanced by others of its plane (20)."""
+    sines = sorted(sin(q.theta) for q in (p, *others))
+    betas = sorted(q.beta for q in (p, *others))
     wall = p.tau**0.9 * p.gamma**0.5 * (0.67 - p.beta**2 + 1.16 * p.beta) * sin(p.theta)
-    pair = (sines[1] / sines[0]) ** 0.30 * (betas[1] / betas[0]) ** 0.30
+    pair = (sines[-1] / sines[0]) ** 0.30 * (betas[-1] / betas[0]) ** 0.30
     return float(wall * pair * (1.64 + 0.29 * p.beta**-0.38 * atan(8.0 * zeta)))
 
 
-def k2(p: Shape, other: Shape, zeta: float, through: float) -> float:
-    """Brace `p`, balanced axial load of two braces in one plane (21).
+def k2(p: Shape, others: Sequence[Shape], zeta: float, through: float) -> float:
+    """Brace `p`, axial load balanced by others of its plane (21).
 
     `through` is 0 for a gap, 1 for the through brace of an overlap and 0.5 for the overlapping one.
     """
-    gap = 1.0 + k1(p, other, zeta) * (1.97 - 1.57 * p.beta**0.25) * p.tau**-0.14 * sin(p.theta) ** 0.7
+    gap = 1.0 + k1(p, others, zeta) * (1.97 - 1.57 * p.beta**0.25) * p.tau**-0.14 * sin(p.theta) ** 0.7
     if through == 0.0:
         return float(gap)
-    both = max(sin(p.theta + other.theta), 0.0) ** 1.8
+    angles = sorted(q.theta for q in (p, *others))
+    both = max(sin(angles[-1] + angles[0]), 0.0) ** 1.8
     wall = through * p.beta**1.5 * p.gamma**0.5 * p.tau**-1.22
     return float(gap + wall * both * (0.131 - 0.084 * atan(14.0 * zeta + 4.2 * p.beta)))
 

@@ -240,8 +240,8 @@ class _Plane:
         if other.zeta < 0.0:
             mine, its = ((c.thickness, c.diameter) for c in (self.own, other.connection))
             through = 0.5 if mine < its else 1.0
-        chord = max(eq.k1(p, q, other.zeta), self.least)
-        brace = max(eq.k2(p, q, other.zeta, through), self.least)
+        chord = max(eq.k1(p, [q], other.zeta), self.least)
+        brace = max(eq.k2(p, [q], other.zeta, through), self.least)
         # All braces bent alike have F4 on the whole, one brace F3: the difference is the neighbours'.
         beta_max = max(p.beta, *(n.shape.beta for n in self.same))
         f3, f4 = eq.short_chord_out_of_plane(p), eq.short_chord_k(p)

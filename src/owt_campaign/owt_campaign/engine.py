@@ -97,7 +97,7 @@ class CaseOutcome:
     series : dict of arrays
         What was asked to be kept, by the name that it was asked by.
     reduction, notes : str, tuple of str
-        The reduction in use, and what is to be said of it.
+        The reduction in use, and what is to be said of it and of the hot spots.
     """
 
     case: CaseConfig
@@ -163,7 +163,7 @@ def evaluate_case(
         stage_seconds=clock.seconds,
         series=keeper.series(),
         reduction=response.description.reduction,
-        notes=response.description.notes,
+        notes=(*response.description.notes, *model.fatigue.hot_spots.notes),
     )
 
 

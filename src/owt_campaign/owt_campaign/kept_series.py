@@ -90,7 +90,8 @@ class SeriesKeeper:
             return np.asarray(motion.displacement @ model.coordinate[:, top : top + 3])
         reported = slice(0, len(model.description.frequency_hz))
         if name == "potential_mode":
-            return np.asarray(0.5 * (model.oscillators.stiffness * motion.displacement**2)[:, reported])
+            energy = 0.5 * model.oscillators.stiffness * motion.displacement**2
+            return np.asarray(energy[:, reported])
         if name == "kinetic_mode":
             return np.asarray(0.5 * motion.velocity[:, reported] ** 2)
         return np.asarray(getattr(piece, name))

@@ -1,0 +1,65 @@
+"""Which studies there are; nothing that computes is imported before one of them is run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from owt_campaign.studies.result import StudyResult
+
+__all__ = ["STUDIES", "Progress", "Study", "run_study"]
+
+#: Called with the number of runs that are done, and of all.
+Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True)
+class Study:
+    """One study.
+
+    Attributes
+    ----------
+    name : str
+        As on the command line and in the names of its files.
+    help : str
+        One line.
+    module : str
+        Module of this package with ``run(*, full, progress) -> StudyResult``.
+    """
+
+    name: str
+    help: str
+    module: str
+
+
+_ALL = (
+    Study("eigen", "frequencies, damping and shapes: tables B.1 to B.3, figures B.1 to B.4", "eigen_page"),
+)
+
+#: Studies by name, in the order of the thesis.
+STUDIES = {study.name: study for study in _ALL}
+
+
+def run_study(name: str, *, full: bool = False, progress: Progress | None = None) -> StudyResult:
+    """Run the study `name`.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`STUDIES`.
+    full : bool
+        As committed in docs/study; otherwise a reduced version that takes seconds.
+    progress : callable, optional
+        Called with the runs done and the runs in all.
+
+    Raises
+    ------
+    InputError, ComputationError
+        If a case of the study is refused, or its result cannot be trusted.
+    """
+    module = import_module(f"owt_campaign.studies.{STUDIES[name].module}")
+    result: StudyResult = module.run(full=full, progress=progress or (lambda done, total: None))
+    return result

@@ -155,8 +155,11 @@ def chosen_reduction(
     reduction: str,
     basis: LoadBasis | None,
     target: Target | None,
+    interior: Interior | None = None,
 ) -> tuple[Reduction, tuple[str, ...]]:
     """Reduce as named, or as ``auto`` chooses for the target; and what is to be noted.
+
+    `interior` is that of the structure, with one mode more than named, where it is known.
 
     Raises
     ------
@@ -172,9 +175,10 @@ def chosen_reduction(
         return choice.reduced, (choice.note, *choice.reduced.notes)
     name = parse_reduction(reduction)
     if basis is None or target is None or name.fixed_interface_modes >= assembly.internal:
-        reduced = reduce(assembly, reduction, basis)
+        reduced = reduce(assembly, reduction, basis, interior=interior)
         return reduced, reduced.notes
-    interior = solve_interior(assembly, name.fixed_interface_modes + 1)
+    if interior is None:
+        interior = solve_interior(assembly, name.fixed_interface_modes + 1)
     reduced = reduce(assembly, reduction, basis, interior=interior)
     note = spectral_note(assembly, reduction, basis.highest_frequency / target.dt, interior)
     return reduced, reduced.notes if note is None else (*reduced.notes, note)

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from owt_model.contracts import LoadBasis, ReducedDescription
 from owt_model.mesh import Mesh
+from owt_model.reduction_name import parse_reduction
 from owt_model.structure_config import Damping
 from owt_structure_node.core.assembly import DOF_NAME, Assembly, assemble
 from owt_structure_node.core.auto import Target, chosen_reduction
@@ -20,9 +21,18 @@ from owt_structure_node.core.damping import (
 )
 from owt_structure_node.core.energies import SUBSTRUCTURES
 from owt_structure_node.core.modes import dense_modes
+from owt_structure_node.core.reduction import Interior, solve_interior
 from owt_structure_node.core.sim import StaticImprovement
 
-__all__ = ["MAX_REPORTED_MODES", "ModalModel", "build_modal_model", "describe", "model_damping"]
+__all__ = [
+    "MAX_REPORTED_MODES",
+    "ModalModel",
+    "StructureParts",
+    "build_modal_model",
+    "describe",
+    "model_damping",
+    "structure_parts",
+]
 
 #: Modes whose frequencies and energies are reported one by one; totals are over all modes.
 MAX_REPORTED_MODES = 256
@@ -81,11 +91,38 @@ class ModalModel:
         return np.asarray(np.sqrt(self.omega_squared) / (2.0 * np.pi))
 
 
+@dataclass(frozen=True)
+class StructureParts:
+    """What models of one structure share, whatever their loads: matrices, static reduction, lowest modes.
+
+    ``interior`` has a mode more than the reduction keeps; None where none is computed from the start.
+    """
+
+    assembly: Assembly
+    interior: Interior | None
+
+
+def structure_parts(mesh: Mesh, reduction: str) -> StructureParts:
+    """Assemble a structure and solve what a named reduction of it needs before the loads are known.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As :func:`owt_structure_node.core.reduction.solve_interior`.
+    """
+    assembly, name = assemble(mesh), parse_reduction(reduction)
+    if name.full or name.auto or name.fixed_interface_modes > assembly.internal:
+        return StructureParts(assembly, None)
+    modes = min(name.fixed_interface_modes + 1, assembly.internal)
+    return StructureParts(assembly, solve_interior(assembly, modes))
+
+
 def build_modal_model(
     mesh: Mesh,
     reduction: str,
     basis: LoadBasis | None = None,
     target: Target | None = None,
+    parts: StructureParts | None = None,
 ) -> ModalModel:
     """Assemble, reduce and decouple.
 
@@ -103,20 +140,24 @@ def build_modal_model(
         Load vectors for the augmentation.
     target : Target, optional
         What ``auto`` chooses for; other reductions are held against its time step.
+    parts : StructureParts, optional
+        Of this structure and reduction, where they are known.
 
     Raises
     ------
     InputError, ComputationError
         As :func:`owt_structure_node.core.auto.chosen_reduction` and the eigenvalue solution.
     """
-    assembly = assemble(mesh)
+    assembly = assemble(mesh) if parts is None else parts.assembly
     if reduction == "full":
         omega2, shapes = dense_modes(assembly.stiffness.toarray(), assembly.mass.toarray())
         nodes = [mesh.transition_piece, *mesh.tower_node]
         names = [f"{mesh.node_name[node]}.{direction}" for node in nodes for direction in DOF_NAME]
         coordinate = np.ascontiguousarray(shapes[mesh.node_dof[nodes].reshape(-1)].T)
         return ModalModel(assembly, reduction, omega2, shapes, None, coordinate, tuple(names))
-    reduced, notes = chosen_reduction(assembly, reduction, basis, target)
+    reduced, notes = chosen_reduction(
+        assembly, reduction, basis, target, None if parts is None else parts.interior
+    )
     omega2, modes = dense_modes(reduced.stiffness, reduced.mass)
     amplitude = np.ascontiguousarray(modes.T)
     return ModalModel(

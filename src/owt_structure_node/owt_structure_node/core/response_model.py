@@ -16,7 +16,13 @@ from owt_structure_node.core.damping import idle_dashpots
 from owt_structure_node.core.energies import Part, split
 from owt_structure_node.core.motion import Oscillators
 from owt_structure_node.core.recovery import EndSections, end_force_map, end_sections
-from owt_structure_node.core.response import ModalModel, build_modal_model, describe, model_damping
+from owt_structure_node.core.response import (
+    ModalModel,
+    StructureParts,
+    build_modal_model,
+    describe,
+    model_damping,
+)
 from owt_structure_node.core.sim import StaticImprovement
 from owt_structure_node.core.tower_top import TowerTopLoad
 from owt_structure_node.core.usage import expected_stress
@@ -87,6 +93,8 @@ def build_response_model(
     mesh: Mesh,
     basis: LoadBasis | None,
     tower_top_load: TowerTopLoad | None = None,
+    *,
+    parts: StructureParts | None = None,
 ) -> ResponseModel:
     """Assemble, reduce and decouple the structure of `case`.
 
@@ -100,6 +108,8 @@ def build_response_model(
         Decomposition of its loads, where the reduction needs one.
     tower_top_load : TowerTopLoad, optional
         Of which the damping is taken; its wrench comes with the blocks.
+    parts : StructureParts, optional
+        Of this structure and reduction, where they are known.
 
     Raises
     ------
@@ -111,7 +121,7 @@ def build_response_model(
     structure = case.structure
     top_dashpots = None if tower_top_load is None else tower_top_load.dashpots
     target = Target(structure.tolerance, structure.damping, case.time.dt_s, top_dashpots)
-    model = build_modal_model(mesh, structure.reduction, basis, target)
+    model = build_modal_model(mesh, structure.reduction, basis, target, parts)
     damping = model_damping(model, structure.damping, basis, top_dashpots)
     end_force, ends = end_force_map(model.assembly, model.basis), end_sections(mesh)
     description = describe(model, damping, _notes(case, model, tower_top_load))

@@ -19,6 +19,7 @@ from owt_model.pod import Scatter, load_basis
 from owt_model.timing import sample_time_ns
 from owt_wave_node.core.assembly import LoadHistory
 from owt_wave_node.core.hydro_damping import drag_damping
+from owt_wave_node.core.hydro_mesh import HydroMesh
 from owt_wave_node.core.loads import LoadWindows, prepare_loads
 from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import build_sea_state
@@ -34,15 +35,23 @@ Series = Float[np.ndarray, "gauge time"]
 
 
 class WaveStage:
-    """The waves of a case and what they do to its structure."""
+    """The waves of a case and what they do to its structure.
 
-    def __init__(self, case: CaseConfig, mesh: Mesh) -> None:
+    Parameters
+    ----------
+    case, mesh
+        The case and its structure.
+    hydro : HydroMesh, optional
+        Stations of the structure in its water, where they are known.
+    """
+
+    def __init__(self, case: CaseConfig, mesh: Mesh, *, hydro: HydroMesh | None = None) -> None:
         self.sea_state = build_sea_state(case)
         self.block = case.stream.block
         self.model_hash = mesh.structure.content_hash
         self.gauge = np.array(case.gauges_m, dtype=float)
         self.windows: LoadWindows = prepare_loads(
-            case, mesh, self.sea_state, make_field(case, self.sea_state)
+            case, mesh, self.sea_state, make_field(case, self.sea_state), hydro=hydro
         )
         self._loads: tuple[int, LoadHistory] | None = None
         self._elevation: tuple[int, Series, Series] | None = None

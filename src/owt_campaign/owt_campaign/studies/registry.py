@@ -37,6 +37,9 @@ class Study:
 
 _ALL = (
     Study("eigen", "frequencies, damping and shapes: tables B.1 to B.3, figures B.1 to B.4", "eigen_page"),
+    Study("interpolation", "error and time of three force distributions: figures 4.4, 4.5", "interpolation"),
+    Study("usfos", "total force of a regular wave on the jacket: appendix C", "usfos"),
+    Study("load-case-table", "weighted against specific Tp: appendix D, tables D.1, D.2", "load_case_table"),
 )
 
 #: Studies by name, in the order of the thesis.

@@ -1,0 +1,43 @@
+"""The load-case table of the case study (thesis table 4.5), as cases of the studies."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from owt_campaign.studies.cases import study_case
+from owt_model.config import CaseConfig
+
+__all__ = ["Cell", "cell_case", "load_case_table"]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One sea state of the table: Hs in m, Tp in s, and where the waves come from, clockwise from north."""
+
+    hs_m: float
+    from_deg: float
+    tp_s: float
+
+    @property
+    def to_deg(self) -> float:
+        """Direction the waves travel to, from +x (north) towards +y (west)."""
+        return (180.0 - self.from_deg) % 360.0
+
+
+@cache
+def load_case_table() -> tuple[Cell, ...]:
+    """The 169 sea states, by rising wave height."""
+    text = (resources.files("owt_campaign") / "data" / "load_cases.csv").read_text(encoding="utf-8")
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return tuple(Cell(float(r["hs_m"]), float(r["direction_deg"]), float(r["tp_s"])) for r in rows)
+
+
+def cell_case(cell: Cell, *, seed: int = 1, samples: int = 6000, **changes: Any) -> CaseConfig:
+    """Case of a sea state; the rest as :func:`~owt_campaign.studies.cases.study_case`."""
+    return study_case(
+        cell.hs_m, cell.tp_s, seed=seed, direction_deg=cell.to_deg, duration_s=0.1 * samples, **changes
+    )

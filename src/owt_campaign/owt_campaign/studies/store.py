@@ -59,7 +59,7 @@ class Store:
         self.folder.mkdir(parents=True, exist_ok=True)
         partial = path.with_name(f".{path.name}.{os.getpid()}")
         with partial.open("wb") as stream:
-            np.savez(stream, allow_pickle=False, **found)
+            np.savez_compressed(stream, **found)
         partial.replace(path)
         return found
 

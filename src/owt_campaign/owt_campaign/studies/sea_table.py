@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from typing import Any
 
+import numpy as np
+from jaxtyping import Float
+
 from owt_campaign.studies.cases import study_case
 from owt_model.config import CaseConfig
 
-__all__ = ["Cell", "cell_case", "load_case_table"]
+__all__ = ["WEIGHTS", "Cell", "cell_case", "load_case_table", "occurrence"]
+
+#: Occurrences per 1 m of Hs of direction 330 deg, the only ones published (thesis table 4.4).
+PUBLISHED_DEG = 330.0
+PUBLISHED = (8226, 14005, 5918, 2141, 918, 399, 107, 19, 11, 5, 0)
+#: Ways to weigh the cells: by the assumed wave rose, by what is published, or each the same.
+WEIGHTS = ("assumed", "published", "alike")
 
 
 @dataclass(frozen=True)
@@ -41,3 +51,23 @@ def cell_case(cell: Cell, *, seed: int = 1, samples: int = 6000, **changes: Any)
     return study_case(
         cell.hs_m, cell.tp_s, seed=seed, direction_deg=cell.to_deg, duration_s=0.1 * samples, **changes
     )
+
+
+def occurrence(cells: Sequence[Cell], weights: str = "assumed") -> Float[np.ndarray, " cell"]:
+    """Probability of each cell among the given ones.
+
+    Parameters
+    ----------
+    cells : sequence of Cell
+        Sea states.
+    weights : str
+        One of :data:`WEIGHTS`.
+    """
+    if weights == "alike":
+        share = np.ones(len(cells))
+    else:
+        # Half of a 1 m bin each; the highest bin, empty in direction 330, counts as one occurrence.
+        share = np.array([max(PUBLISHED[int(cell.hs_m)], 1) / 2.0 for cell in cells])
+        if weights == "published":
+            share[[cell.from_deg != PUBLISHED_DEG for cell in cells]] = 0.0
+    return np.asarray(share / share.sum())

@@ -6,6 +6,7 @@ from typing import Any
 
 from owt_campaign.studies import eigen
 from owt_campaign.studies.eigen import MODEL, EigenStudy
+from owt_campaign.studies.eigen_figures import EIGEN_FIGURES
 from owt_campaign.studies.registry import Progress
 from owt_campaign.studies.result import Outcome, Row, StudyResult, Verdict, table
 
@@ -54,7 +55,31 @@ alone (damping-modal, beside the same print) is the other reading: it leaves mod
 11 % less than the print."""
 
 
-_TITLE = "Frequencies and damping: thesis tables B.1, B.2, B.3"
+_SHAPES = """\
+## Figures B.1 to B.4: shapes
+
+The print's figures are lost; the order of the modes is that of the tables. Motions are enlarged, the
+structure at rest is grey.
+
+![First ten modes of the turbine](eigen-modes.png)
+
+Figure B.1: the first ten modes of the whole turbine.
+
+![Six constraint modes](eigen-constraint-modes.png)
+
+Figure B.2: the six static constraint modes; translations x, y, z and rotations of the interface.
+
+![First ten fixed-interface modes](eigen-fixed-interface-modes.png)
+
+Figure B.3: the first ten modes with the interface held.
+
+![First five load vectors](eigen-load-vectors.png)
+
+Figure B.4: the first five augmentation vectors of CB10M10 for the second-order loads of Hs 8.25 m,
+Tp 11.5 s (towards 210 degrees, seed 1), with their pseudo-frequencies: the higher ones bend
+members near the surface, which no mode above does."""
+
+_TITLE = "Frequencies, damping and shapes: thesis tables B.1 to B.3, figures B.1 to B.4"
 
 _VERDICT = Verdict(
     "reproduced",
@@ -94,8 +119,10 @@ def eigen_result(study: EigenStudy, printed: dict[str, Any]) -> StudyResult:
         _fixed(study, printed["table_B2"]),
         _B3,
         _decrements(study, printed["table_B3"]),
+        _SHAPES,
     ]
-    return StudyResult("eigen", _TITLE, sections, _rows(study, printed), _VERDICT, data=study.as_json())
+    rows = _rows(study, printed)
+    return StudyResult("eigen", _TITLE, sections, rows, _VERDICT, figures=EIGEN_FIGURES, data=study.as_json())
 
 
 def _rows(study: EigenStudy, printed: dict[str, Any]) -> list[Row]:

@@ -37,6 +37,15 @@ class Study:
 
 _ALL = (
     Study("eigen", "frequencies, damping and shapes: tables B.1 to B.3, figures B.1 to B.4", "eigen_page"),
+    Study(
+        "wave-comparison",
+        "second order against linear: figures 5.1 to 5.4, table 5.1",
+        "wave_comparison_page",
+    ),
+    Study("sensitivity", "damping and frequency model: figures 5.5 to 5.7", "sensitivity_page"),
+    Study("reduction", "reduced models: figures 6.1 to 6.3, tables 6.1 and 6.2", "reduction_page"),
+    Study("modal-contribution", "energy per mode: figures 6.4 and 6.5", "modal_contribution"),
+    Study("beyond", "damage, error estimate, sampling, seeds, load factors: chapter 7.3", "beyond_page"),
 )
 
 #: Studies by name, in the order of the thesis.

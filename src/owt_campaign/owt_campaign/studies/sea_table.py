@@ -15,7 +15,7 @@ from jaxtyping import Float
 from owt_campaign.studies.cases import study_case
 from owt_model.config import CaseConfig
 
-__all__ = ["WEIGHTS", "Cell", "cell_case", "load_case_table", "occurrence"]
+__all__ = ["WEIGHTS", "Cell", "cell_case", "few_cells", "load_case_table", "occurrence"]
 
 #: Occurrences per 1 m of Hs of direction 330 deg, the only ones published (thesis table 4.4).
 PUBLISHED_DEG = 330.0
@@ -44,6 +44,12 @@ def load_case_table() -> tuple[Cell, ...]:
     text = (resources.files("owt_campaign") / "data" / "load_cases.csv").read_text(encoding="utf-8")
     rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
     return tuple(Cell(float(r["hs_m"]), float(r["direction_deg"]), float(r["tp_s"])) for r in rows)
+
+
+def few_cells() -> list[Cell]:
+    """What reduced versions of the studies run: four heights of direction 330 deg, and one from 240 deg."""
+    chosen = {(1.25, 330.0), (3.25, 330.0), (5.25, 330.0), (8.25, 330.0), (5.25, 240.0)}
+    return [cell for cell in load_case_table() if (cell.hs_m, cell.from_deg) in chosen]
 
 
 def cell_case(cell: Cell, *, seed: int = 1, samples: int = 6000, **changes: Any) -> CaseConfig:

@@ -22,7 +22,7 @@ __all__ = ["energy_figure", "ranges_figure", "spectra_figure", "stress_figure"]
 def stress_figure(found: WaveComparison, focus: dict[str, int]) -> Figure:
     """Figure 5.1: total stress and its ratio over the members."""
     figure, panels = canvas(1, 3, (9.5, 4.6), share_y=True, gridspec_kw={"width_ratios": (1, 0.7, 1.2)})
-    total = by_member(found.table.mean_total(SECOND_ORDER))
+    total = by_member(found.table.total(SECOND_ORDER))
     levels(panels[0, 0], found.members, total / total.max(), BLUE)
     panels[0, 0].set(xlabel="total stress, over the largest", title="second order")
     jacket(panels[0, 1], found.mesh, focus)
@@ -42,7 +42,7 @@ def ranges_figure(found: WaveComparison, end: str) -> Figure:
     place = found.leg_end_name.index(end)
     for panel, (low, high) in zip(panels[0], ((0.0, 2e5), (6e5, 8e5)), strict=True):
         for colour, wave in ((BLUE, LINEAR), (ORANGE, SECOND_ORDER)):
-            count = found.table.mean_total(wave, part="leg_ranges")[place]
+            count = found.table.total(wave, part="leg_ranges")[place]
             edge = BIN_PA * np.arange(len(count) + 1)
             shown = (edge[:-1] >= low - 1.0) & (edge[1:] <= high + 1.0)
             panel.stairs(count[shown], np.append(edge[:-1][shown], high) / 1e6, color=colour, label=wave)

@@ -51,7 +51,7 @@ def result(found: WaveComparison, *, full: bool) -> StudyResult:
     rows = [*_stress_rows(found), *_range_rows(found), *_spectrum_rows(found), *_energy_rows(found)]
     rows.append(_time_row(found))
     focus = _focus(found)
-    total = found.table.mean_total(SECOND_ORDER)
+    total = found.table.total(SECOND_ORDER)
     heaviest = int(np.argmax(total[[found.mesh.end_name.index(name) for name in found.leg_end_name]]))
     return StudyResult(
         name=NAME,
@@ -81,7 +81,7 @@ def _figures(found: WaveComparison, focus: dict[str, int], end: str) -> dict[str
 
 def _focus(found: WaveComparison) -> dict[str, int]:
     """The three members that the text looks at: largest ratio, leg half way down, heaviest."""
-    members, total = found.members, by_member(found.table.mean_total(SECOND_ORDER))
+    members, total = found.members, by_member(found.table.total(SECOND_ORDER))
     half_way = members.leg & (members.level > -30.0) & (members.level < -5.0)
     return {
         "1": int(np.nanargmax(found.table.ratio())),
@@ -97,7 +97,7 @@ def _seed_spread(found: WaveComparison, measure: Any) -> tuple[float, float]:
 
 def _stress_rows(found: WaveComparison) -> list[Row]:
     members, ratio = found.members, found.table.ratio()
-    total = by_member(found.table.mean_total(SECOND_ORDER))
+    total = by_member(found.table.total(SECOND_ORDER))
     legs = members.leg & ~np.isnan(ratio)
 
     def of_legs(values: Float[np.ndarray, " member"]) -> float:
@@ -135,7 +135,7 @@ def _stress_rows(found: WaveComparison) -> list[Row]:
 
 def _range_rows(found: WaveComparison) -> list[Row]:
     """Figure 5.2: where in the ranges the difference lies."""
-    total = found.table.mean_total(SECOND_ORDER)
+    total = found.table.total(SECOND_ORDER)
     place = int(np.argmax(total[[found.mesh.end_name.index(name) for name in found.leg_end_name]]))
 
     def more(seeds: list[int], low: int, high: int) -> float:

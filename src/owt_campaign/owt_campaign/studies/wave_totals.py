@@ -67,28 +67,45 @@ class TableRuns:
         return list(self.records[seed, wave])
 
     def total(
-        self, wave: str, seed: int, *, weights: str = "assumed", part: str = "total_stress"
-    ) -> Float[np.ndarray, " end"]:
-        """Sum over the cells of a seed, each by its probability."""
-        some = self.records[seed, wave]
-        share = occurrence(list(some), weights)
-        return np.asarray(sum(p * getattr(r, part) for p, r in zip(share, some.values(), strict=True)))
+        self, wave: str, seed: int | None = None, *, weights: str = "assumed", part: str = "total_stress",
+        like: str | None = None,
+    ) -> Float[np.ndarray, "..."]:
+        """Sum over the cells, each by its probability.
 
-    def mean_total(self, wave: str, **options: str) -> Float[np.ndarray, " end"]:
-        """Mean of :meth:`total` over the seeds."""
-        return np.mean([self.total(wave, seed, **options) for seed in self.seeds(wave)], axis=0)
+        Parameters
+        ----------
+        wave : str
+            Wave model.
+        seed : int, optional
+            Of the records; of each cell the mean over its seeds where left out.
+        weights : str
+            As :func:`~owt_campaign.studies.sea_table.occurrence` takes them.
+        part : str
+            What of the records is summed.
+        like : str, optional
+            Another wave model: cells and seeds that this one lacks are left out.
+        """
+        seeds = self.seeds(wave) if seed is None else [seed]
+        values: dict[Cell, list[np.ndarray]] = {}
+        for number in seeds:
+            other = self.records.get((number, wave if like is None else like), {})
+            for cell, record in self.records[number, wave].items():
+                if cell in other:
+                    values.setdefault(cell, []).append(getattr(record, part))
+        share = occurrence(list(values), weights)
+        return np.asarray(
+            sum(p * np.mean(of, axis=0) for p, of in zip(share, values.values(), strict=True))
+        )
 
     def ratio(
-        self, seed: int | None = None, linear: str = LINEAR, **options: str
+        self, seed: int | None = None, linear: str = LINEAR, weights: str = "assumed"
     ) -> Float[np.ndarray, " member"]:
         """Second order over linear of the total stress of every member; of all seeds where none is named.
 
         Of both ends of a member the larger total counts. NaN for members without stress.
         """
-        one, two = (
-            by_member(self.mean_total(w, **options) if seed is None else self.total(w, seed, **options))
-            for w in (linear, SECOND_ORDER)
-        )
+        one = by_member(self.total(linear, seed, weights=weights, like=SECOND_ORDER))
+        two = by_member(self.total(SECOND_ORDER, seed, weights=weights, like=linear))
         seen = two > RELEVANT * two.max()
         return np.where(seen, two, np.nan) / np.where(seen, one, 1.0)
 

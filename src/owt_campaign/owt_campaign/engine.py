@@ -5,7 +5,7 @@ Cases on one structure share a :class:`~owt_campaign.shared_model.SharedModel`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,11 +23,13 @@ from owt_campaign.shared_model import (
     prepare_model,
 )
 from owt_model.config import CaseConfig
-from owt_model.contracts import EnergyBlock
+from owt_model.contracts import LoadRows, StressBlock
 from owt_model.errors import InputError
 from owt_postproc.core import stage as fatigue_stage
-from owt_postproc.core.stage import FatigueResult
-from owt_structure_node.core import stage as response_stage
+from owt_postproc.core.stage import FatigueResult, FatigueState
+from owt_structure_node.core.pieces import Piece, Pieces, PieceState
+from owt_structure_node.core.response_model import ResponseModel
+from owt_structure_node.core.tower_top import TowerTopLoad
 from owt_structure_node.wind_source import tower_top_load
 from owt_wave_node.core.stage import WaveStage
 from owt_wave_node.sea_source import resolve_case
@@ -45,8 +47,11 @@ __all__ = [
     "prepare_model",
 ]
 
-#: Load samples worked on at a time.
-BLOCK = 250
+#: Load samples worked on at a time: what is held of them stays in the last level of the cache.
+PIECE = 200
+
+#: Potential and kinetic energies of the total and of the substructures.
+Energies = tuple[Float[np.ndarray, "row part"], Float[np.ndarray, "row part"]]
 
 
 @dataclass(frozen=True)
@@ -126,31 +131,22 @@ def evaluate_case(
         model = prepare_model(case)
         clock.lap("model")
     check_key(model, case)
-    keeper = SeriesKeeper(keep, model.mesh)
     tower_top = tower_top_load(case, model.mesh)
     clock.lap("tower-top load")
-    cut = case.model_copy(update={"stream": case.stream.model_copy(update={"block": BLOCK})})
-    wave = WaveStage(cut, model.mesh, hydro=model.hydro)
+    wave = WaveStage(case, model.mesh, hydro=model.hydro)
     wave.history()
     clock.lap("waves and loads")
     basis = case_load_basis(model, case, wave)
     clock.lap("load basis")
     response = case_response(model, case, basis, tower_top)
     clock.lap("reduction")
-    response_state = response_stage.initial_state(response)
+    keeper = SeriesKeeper(keep, model.mesh, response)
+    energies: list[Energies] = []
     fatigue_state = fatigue_stage.initial_state(model.fatigue)
-    energies: list[EnergyBlock] = []
-    for i in range(wave.n_blocks):
-        clock.start()
-        load = wave.load_block(i)
-        clock.lap("waves and loads")
-        wrench = None if tower_top is None else tower_top.block(load)
-        response_state, out = response_stage.step(response, response_state, load, wrench)
-        clock.lap("response and stress")
-        fatigue_state, _ = fatigue_stage.step(model.fatigue, fatigue_state, out.stress)
+    for piece in _pieces(wave, response, tower_top, keeper, clock):
+        energies.append(_energies(piece))
+        fatigue_state = _count(model, fatigue_state, piece)
         clock.lap("rainflow")
-        energies.append(out.energy)
-        keeper.add(wave, i, load, out, response.description)
     return CaseOutcome(
         case=case,
         fatigue=fatigue_stage.final(model.fatigue, fatigue_state),
@@ -162,14 +158,62 @@ def evaluate_case(
     )
 
 
-def _statistics(names: tuple[str, ...], blocks: list[EnergyBlock]) -> EnergyStatistics:
-    """Statistics of the total, then of the substructures."""
-    columns = []
-    for kind in ("potential", "kinetic"):
-        total = np.concatenate([getattr(block, kind) for block in blocks])
-        parts = np.concatenate([getattr(block, f"{kind}_substructure") for block in blocks])
-        columns.append(np.column_stack([total, parts]))
-    potential, kinetic = columns
+def _pieces(
+    wave: WaveStage,
+    response: ResponseModel,
+    tower_top: TowerTopLoad | None,
+    keeper: SeriesKeeper,
+    clock: StageClock,
+) -> Iterator[Piece]:
+    """Response piece by piece, a window of the loads at a time."""
+    pieces: Pieces | None = None
+    state: PieceState | None = None
+    for window in range(len(wave.windows)):
+        clock.start()
+        loads = wave.load_rows(window, PIECE)
+        keeper.add_surface(wave, window)
+        for load in loads:
+            clock.lap("waves and loads")
+            if pieces is None:
+                pieces = Pieces(response, load)
+            state, piece = pieces.step(state, load, _wrench(tower_top, load))
+            keeper.add(load, piece)
+            clock.lap("response and stress")
+            yield piece
+            clock.start()
+
+
+def _wrench(tower_top: TowerTopLoad | None, load: LoadRows) -> Float[np.ndarray, "sample 6"] | None:
+    """Samples of the tower-top load that go with a piece of wave loads."""
+    if tower_top is None:
+        return None
+    return tower_top.samples(load.start, load.start + load.nodal.shape[2])
+
+
+def _count(model: SharedModel, state: FatigueState, piece: Piece) -> FatigueState:
+    """Count the stress of one piece."""
+    n = model.fatigue.n_ends
+    axial, bending_y, bending_z, von_mises = (
+        np.ascontiguousarray(piece.stress[i * n : (i + 1) * n].T) for i in range(4)
+    )
+    block = StressBlock(
+        sequence=state.sequence, start=piece.start, dt=model.fatigue.dt, last=False,
+        axial=axial, bending_y=bending_y, bending_z=bending_z, von_mises=von_mises,
+    )  # fmt: skip
+    return fatigue_stage.step(model.fatigue, state, block)[0]
+
+
+def _energies(piece: Piece) -> Energies:
+    """Potential and kinetic energies of the total, then of the substructures."""
+    return (
+        np.column_stack([piece.potential, piece.potential_substructure]),
+        np.column_stack([piece.kinetic, piece.kinetic_substructure]),
+    )
+
+
+def _statistics(names: tuple[str, ...], energies: list[Energies]) -> EnergyStatistics:
+    """Statistics over all pieces."""
+    potential, kinetic = (np.concatenate(column) for column in zip(*energies, strict=True))
     return EnergyStatistics(
         ("total", *names),
         potential.mean(axis=0), potential.std(axis=0), kinetic.mean(axis=0), kinetic.std(axis=0),

@@ -19,21 +19,23 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from owt_model.contracts import LoadBlock, ReducedDescription
+from owt_model.contracts import LoadRows
 from owt_model.errors import InputError
 from owt_model.mesh import Mesh
-from owt_structure_node.core.stage import Response
+from owt_structure_node.core.pieces import Piece
+from owt_structure_node.core.response_model import ResponseModel
 from owt_wave_node.core.stage import WaveStage
 
 __all__ = ["NAMES", "STRESS", "SeriesKeeper"]
 
 STRESS = "stress "
 ENERGIES = tuple(f"{kind}{of}" for kind in ("potential", "kinetic") for of in ("", "_mode", "_substructure"))
-NAMES = ("elevation", "elevation_first", "force", "tower_top", "coordinate", *ENERGIES)
+SURFACE = ("elevation_first", "elevation")
+NAMES = (*SURFACE, "force", "tower_top", "coordinate", *ENERGIES)
 
 
 class SeriesKeeper:
-    """Collects the series asked for, block by block.
+    """Collects the series asked for, piece by piece.
 
     Parameters
     ----------
@@ -41,6 +43,8 @@ class SeriesKeeper:
         What to keep.
     mesh : Mesh
         Of the structure, for the names of member ends.
+    model : ResponseModel
+        What turns the motion of the modes into the series.
 
     Raises
     ------
@@ -48,9 +52,10 @@ class SeriesKeeper:
         If a name is none of these.
     """
 
-    def __init__(self, names: Iterable[str], mesh: Mesh) -> None:
+    def __init__(self, names: Iterable[str], mesh: Mesh, model: ResponseModel) -> None:
         self._parts: dict[str, list[np.ndarray]] = {name: [] for name in names}
-        self._end = {}
+        self._model = model
+        self._end: dict[str, int] = {}
         place = {name: i for i, name in enumerate(mesh.end_name)}
         for name in self._parts:
             if name.startswith(STRESS) and name.removeprefix(STRESS) in place:
@@ -60,37 +65,35 @@ class SeriesKeeper:
                     "keep", name, "is no series of a case", f"Use {', '.join(NAMES)}, or 'stress END'."
                 )
 
-    def add(
-        self, wave: WaveStage, block: int, load: LoadBlock, out: Response, description: ReducedDescription
-    ) -> None:
-        """Take what is asked for from one block."""
-        for name, parts in self._parts.items():
-            parts.append(self._take(name, wave, block, load, out, description).copy())
+    def add_surface(self, wave: WaveStage, window: int) -> None:
+        """Take the elevation in a window of the record, where it is asked for."""
+        for name in SURFACE:
+            if name in self._parts:
+                self._parts[name].append(wave.surface(window)[SURFACE.index(name)].T.copy())
 
-    def _take(
-        self,
-        name: str,
-        wave: WaveStage,
-        block: int,
-        load: LoadBlock,
-        out: Response,
-        description: ReducedDescription,
-    ) -> np.ndarray:
+    def add(self, load: LoadRows, piece: Piece) -> None:
+        """Take what is asked for from one piece."""
+        for name, parts in self._parts.items():
+            if name not in SURFACE:
+                parts.append(np.array(self._take(name, load, piece)))
+
+    def _take(self, name: str, load: LoadRows, piece: Piece) -> np.ndarray:
+        motion, model = piece.motion, self._model
         if name in self._end:
-            stress, end = out.stress, self._end[name]
-            four = (stress.axial, stress.bending_y, stress.bending_z, stress.von_mises)
-            return np.stack([part[:, end] for part in four], axis=1)
+            return piece.stress[self._end[name] :: len(piece.stress) // 4].T
         if name == "force":
-            return np.asarray(load.nodal[:, :, :3].sum(axis=1))
-        if name.startswith("elevation"):
-            elevation = wave.elevation_block(block)
-            return elevation.total if name == "elevation" else elevation.first_order
+            return np.asarray(load.nodal[:, :3].sum(axis=0).T)
         if name == "coordinate":
-            return out.modal.displacement
+            return motion.displacement @ model.coordinate
         if name == "tower_top":
-            top = description.tower_top_coordinate
-            return out.modal.displacement[:, top : top + 3]
-        return np.asarray(getattr(out.energy, name))
+            top = model.description.tower_top_coordinate
+            return motion.displacement @ model.coordinate[:, top : top + 3]
+        reported = slice(0, len(model.description.frequency_hz))
+        if name == "potential_mode":
+            return 0.5 * (model.oscillators.stiffness * motion.displacement**2)[:, reported]
+        if name == "kinetic_mode":
+            return np.asarray(0.5 * motion.velocity[:, reported] ** 2)
+        return np.asarray(getattr(piece, name))
 
     def series(self) -> dict[str, np.ndarray]:
         """The series, over the whole record."""

@@ -16,12 +16,14 @@ from jaxtyping import Bool, Float, Int
 from owt_model.timing import sample_time_ns
 
 __all__ = [
+    "END_FORCE",
     "Block",
     "ElevationBlock",
     "EnergyBlock",
     "FatigueBlock",
     "LoadBasis",
     "LoadBlock",
+    "LoadRows",
     "MeasuredBlock",
     "ModalBlock",
     "ReducedDescription",
@@ -129,6 +131,36 @@ class LoadBlock(Block):
     element: Int[np.ndarray, " fixed"]
     nodal: Float[np.ndarray, "sample loaded 6"]
     fixed_end: Float[np.ndarray, "sample fixed 12"]
+
+
+#: Where the equivalent nodal loads of an element lie among its twelve end forces: Fy1, Mz1, Fy2, Mz2, Fz1,
+#: My1, Fz2, My2 and, where there are loads along it, Fx1, Fx2.
+END_FORCE = (1, 5, 7, 11, 2, 4, 8, 10, 0, 6)
+
+
+@dataclass(frozen=True)
+class LoadRows:
+    """Wave loads of consecutive samples in one process, one row per channel and time last: no block to send.
+
+    Attributes
+    ----------
+    start : int
+        Index of the first sample in the record, whose time is ``start * dt``.
+    node, element : int arrays [loaded], [fixed]
+        As in :class:`LoadBlock`.
+    nodal : float array [loaded, 6, sample]
+        Consistent nodal forces in N and moments in N m, global axes.
+    end_rows : float array [fixed, row, sample]
+        Equivalent nodal loads of the elements at member ends, in element axes, in the order of
+        :data:`END_FORCE`: minus the fixed-end forces.
+    """
+
+    start: int
+    dt: float
+    node: Int[np.ndarray, " loaded"]
+    element: Int[np.ndarray, " fixed"]
+    nodal: Float[np.ndarray, "loaded 6 sample"]
+    end_rows: Float[np.ndarray, "fixed row sample"]
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from owt_campaign.engine import SharedModel, cluster_basis, prepare_model
 from owt_campaign.studies.cases import CUTOFFS, LINEAR, SECOND_ORDER, SEEDS, study_case
 from owt_campaign.studies.registry import Progress
 from owt_campaign.studies.result import StudyResult
+from owt_campaign.studies.store import Store
 from owt_campaign.studies.total_stress import total_stress
 from owt_model.config import CaseConfig
 
@@ -98,9 +99,16 @@ def structures(names: tuple[str, ...]) -> dict[str, SharedModel]:
     return found
 
 
-def mean_stress(run: Run, models: dict[str, SharedModel]) -> dict[str, float]:
+def mean_stress(run: Run, models: dict[str, SharedModel], store: Store) -> dict[str, float]:
     """Mean total stress in Pa over all member ends, for each structure."""
-    return {name: float(np.mean(stress)) for name, stress in total_stress(run.case, models).items()}
+    case = run.case
+    key = ["mean total stress", BASIS, {name: model.key for name, model in models.items()}]
+
+    def compute() -> dict[str, np.ndarray]:
+        return {name: np.array(stress.mean()) for name, stress in total_stress(case, models).items()}
+
+    found = store.run([*key, case.model_dump(mode="json")], compute)
+    return {name: float(value) for name, value in found.items()}
 
 
 def increases(linear: dict[str, float], second: dict[str, float]) -> dict[str, float]:
@@ -154,10 +162,11 @@ def compute(plan: tuple[Part, ...], progress: Progress) -> tuple[Stresses, Perio
     """Run a plan."""
     models, found = structures(plan[0].tables), {}
     periods: Periods = {}
+    store = Store()
     sums: dict[tuple[str, float, str, str, int], list[float]] = {}
     every = [entry for part in plan for entry in part.runs()]
     for done, (run, tables) in enumerate(every):
-        for table, stress in mean_stress(run, {name: models[name] for name in tables}).items():
+        for table, stress in mean_stress(run, {name: models[name] for name in tables}, store).items():
             key = (table, run.hs, run.wave, run.cutoff, run.seed)
             if run.kind == "ref":
                 found[key] = {"ref": stress}

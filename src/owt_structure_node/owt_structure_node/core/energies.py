@@ -54,7 +54,16 @@ class Part:
         improvement : float array [row], optional
             What static improvement adds to the jacket, in the total already.
         """
-        motion = coordinate[:, self.coordinate]
+        return self.share_of(matrix, coordinate[:, self.coordinate], total, improvement)
+
+    def share_of(
+        self,
+        matrix: Float[np.ndarray, "own own"],
+        motion: Float[np.ndarray, "row own"],
+        total: Float[np.ndarray, " row"],
+        improvement: Float[np.ndarray, " row"] | float = 0.0,
+    ) -> Float[np.ndarray, "row 2"]:
+        """The same from the displacements or velocities of the part's own coordinates."""
         own = 0.5 * np.einsum("rc,rc->r", motion @ matrix, motion)
         if self.place == 0:
             own += improvement

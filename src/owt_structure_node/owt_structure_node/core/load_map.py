@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from owt_model.contracts import LoadBlock
+from owt_model.contracts import LoadBlock, LoadRows
 from owt_model.errors import ComputationError
 from owt_structure_node.core.recovery import EndSections, fixed_end_columns
 from owt_structure_node.core.sim import ImprovementMap, StaticImprovement
 
-__all__ = ["LoadMap", "check_values", "map_loads", "ramp"]
+__all__ = ["LoadMap", "check_values", "map_loads", "ramp", "ramp_factor"]
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class LoadMap:
 
 
 def map_loads(
-    load: LoadBlock,
+    load: LoadBlock | LoadRows,
     *,
     node_basis: Float[np.ndarray, "node 6 function"],
     amplitude: Float[np.ndarray, "mode function"] | None,
@@ -52,7 +52,7 @@ def map_loads(
 
     Parameters
     ----------
-    load : LoadBlock
+    load : LoadBlock or LoadRows
         Its first block.
     node_basis : float array [node, 6, function]
         Basis functions at all nodes.
@@ -111,7 +111,12 @@ def check_values(load: LoadBlock) -> None:
 
 def ramp(load: LoadBlock, duration: float) -> Float[np.ndarray, " sample"] | None:
     """Factor on the loads of a block, from 0 to 1 in `duration` s as half a cosine; None after it."""
-    time = load.dt * np.arange(load.start, load.start + len(load.nodal))
+    return ramp_factor(load.start, len(load.nodal), load.dt, duration)
+
+
+def ramp_factor(start: int, samples: int, dt: float, duration: float) -> Float[np.ndarray, " sample"] | None:
+    """The same for `samples` samples of the time step `dt` from the one of index `start` on."""
+    time = dt * np.arange(start, start + samples)
     if not time[0] < duration:
         return None
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(time / duration, 1.0)))

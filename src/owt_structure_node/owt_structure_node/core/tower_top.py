@@ -68,13 +68,22 @@ class TowerTopLoad:
         ComputationError
             If the record does not have them.
         """
-        end = load.start + len(load.nodal)
+        return beside(load, self.samples(load.start, load.start + len(load.nodal)))
+
+    def samples(self, start: int, end: int) -> Float[np.ndarray, "sample 6"]:
+        """Samples `start` to `end` - 1 of the record.
+
+        Raises
+        ------
+        ComputationError
+            If the record does not have them.
+        """
         if self.wrench is None or end > len(self.wrench):
             held = 0 if self.wrench is None else len(self.wrench)
             raise ComputationError(
-                f"tower-top load: samples {load.start} to {end} asked for, the record has {held}"
+                f"tower-top load: samples {start} to {end} asked for, the record has {held}"
             )
-        return beside(load, self.wrench[load.start : end])
+        return self.wrench[start:end]
 
 
 def beside(load: LoadBlock, wrench: Float[np.ndarray, "sample 6"]) -> WrenchBlock:

@@ -7,7 +7,8 @@ __all__ = ["warm_up"]
 
 def warm_up() -> None:
     """Compile and cache every kernel for the array types that the package uses."""
-    from owt_structure_node.kernels import recurrence, stress
+    from owt_structure_node.kernels import energy, recurrence, stress
 
+    energy.warm_up()
     recurrence.warm_up()
     stress.warm_up()

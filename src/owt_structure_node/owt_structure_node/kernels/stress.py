@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["end_stress", "warm_up"]
+__all__ = ["end_stress", "end_stress_rows", "warm_up"]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
@@ -40,7 +40,45 @@ def end_stress(force, fixed, substeps, sign, section, axial, bending_y, bending_
             out[e] = np.sqrt(sigma * sigma + 3.0 * tau * tau)
 
 
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def end_stress_rows(
+    force, carried, lead, substeps, sign, section, work, axial, bending_y, bending_z, von_mises
+):
+    """The same with time last: `force` [6 end, row], the results [end, row].
+
+    `carried` [6 end, sample] are equivalent nodal loads, minus the fixed-end forces. The first `lead` rows
+    (0 or 1) are at the first sample, the others follow it, `substeps` per interval. `work` is [6, row].
+    """
+    rows, intervals = force.shape[1], carried.shape[1] - 1
+    for e in range(sign.size):
+        for c in range(6):
+            f, load, out = force[6 * e + c], carried[6 * e + c], work[c]
+            if lead:
+                out[0] = f[0] - load[0]
+            row = lead
+            for i in range(intervals):
+                before, rise = load[i], load[i + 1] - load[i]
+                for k in range(substeps):
+                    out[row] = f[row] - (before + (k + 1) / substeps * rise)
+                    row += 1
+        per_area, per_inertia, per_torsion, shear = section[0, e], section[1, e], section[2, e], section[3, e]
+        s = sign[e]
+        n_out, y_out, z_out, out = axial[e], bending_y[e], bending_z[e], von_mises[e]
+        for i in range(rows):
+            normal = s * work[0, i] * per_area
+            about_y, about_z = work[4, i] * per_inertia, work[5, i] * per_inertia
+            sigma = np.sqrt(about_y * about_y + about_z * about_z) + normal
+            resultant = np.sqrt(work[1, i] * work[1, i] + work[2, i] * work[2, i])
+            tau = abs(work[3, i]) * per_torsion + resultant * shear
+            n_out[i] = normal
+            y_out[i] = s * about_y
+            z_out[i] = -s * about_z
+            out[i] = np.sqrt(sigma * sigma + 3.0 * tau * tau)
+
+
 def warm_up() -> None:
     """Compile for the array types that the package uses."""
     force, out = np.zeros((2, 6, 1)), [np.zeros((2, 1)) for _ in range(4)]
     end_stress(force, force, 1, np.ones(1), np.ones((4, 1)), out[0], out[1], out[2], out[3])
+    rows, out = np.zeros((6, 2)), [np.zeros((1, 2)) for _ in range(4)]
+    end_stress_rows(rows, rows, 1, 1, np.ones(1), np.ones((4, 1)), rows, out[0], out[1], out[2], out[3])

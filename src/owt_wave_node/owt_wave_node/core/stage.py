@@ -6,6 +6,7 @@ record. Blocks in order cost each window once.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from owt_model.config import CaseConfig
-from owt_model.contracts import ElevationBlock, LoadBasis, LoadBlock
+from owt_model.contracts import END_FORCE, ElevationBlock, LoadBasis, LoadBlock, LoadRows
 from owt_model.mesh import Mesh
 from owt_model.pod import Scatter, load_basis
 from owt_model.timing import sample_time_ns
@@ -21,15 +22,12 @@ from owt_wave_node.core.assembly import LoadHistory
 from owt_wave_node.core.hydro_damping import drag_damping
 from owt_wave_node.core.hydro_mesh import HydroMesh
 from owt_wave_node.core.loads import LoadWindows, prepare_loads
+from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import build_sea_state
 from owt_wave_node.core.window import window_of
 
 __all__ = ["WaveStage", "build_wave_stage", "cut_elevation", "cut_loads"]
-
-#: Where the rows of an element lie among its twelve end forces, with the sign of a fixed-end force: minus
-#: the equivalent nodal load. Rows: Fy1, Mz1, Fy2, Mz2, Fz1, My1, Fz2, My2 and, where there are, Fx1, Fx2.
-END_FORCE = (1, 5, 7, 11, 2, 4, 8, 10, 0, 6)
 
 Series = Float[np.ndarray, "gauge time"]
 
@@ -73,7 +71,26 @@ class WaveStage:
             self._loads = (window, self.windows.window(window))
         return self._loads[1]
 
-    def _surface(self, window: int) -> tuple[Series, Series]:
+    def load_rows(self, window: int, piece: int) -> Iterator[LoadRows]:
+        """Loads of a window, `piece` samples at a time; nothing is copied.
+
+        Raises
+        ------
+        ComputationError
+            If a load is not finite.
+        """
+        rows, history = self.windows.rows(window), self.history(window)
+        for part in slices(rows.stop - rows.start, piece):
+            yield LoadRows(
+                start=rows.start + part.start,
+                dt=self.sea_state.dt_s,
+                node=history.node,
+                element=history.element,
+                nodal=history.nodal[:, :, part],
+                end_rows=history.end_rows[:, :, part],
+            )
+
+    def surface(self, window: int) -> tuple[Series, Series]:
         """First-order and total elevation at the gauges in a window."""
         if self._elevation is None or self._elevation[0] != window:
             rows, field = self.windows.rows(window), self.windows.field
@@ -97,7 +114,7 @@ class WaveStage:
     def elevation_block(self, i: int) -> ElevationBlock:
         """Elevation at the gauges in block `i`."""
         window, part = self._rows(i)
-        first, total = self._surface(window)
+        first, total = self.surface(window)
         return cut_elevation(first, total, part, gauge=self.gauge, **self._head(i))
 
     def load_block(self, i: int) -> LoadBlock:

@@ -93,7 +93,7 @@ class _Runs:
 
     def key(self, what: str, cell: Cell, seed: int) -> list[object]:
         case = cell_case(cell, seed=seed, samples=self.samples)
-        return [what, self.mesh.structure.content_hash, case.model_dump(mode="json")]
+        return [what, self.mesh.structure.content_hash, case.model_dump(mode="json", exclude={"fatigue", "stream"})]
 
     def loads(self, cell: Cell, seed: int) -> Float[np.ndarray, "time load"]:
         """Nodal loads of a sea state, all components of a sample in a row."""

@@ -3,7 +3,6 @@
 All runs share load vectors that a sample of the table gives, so that linear and second-order waves, and the
 structures, differ in nothing else; structures share the loads of a sea state. What is kept of a run are sums
 over its record; the sum of range times count of a rainflow count is half the total variation of the signal.
-Damage is counted on the reference structure.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from owt_campaign.engine import cluster_basis, evaluate_case, prepare_model
 from owt_campaign.shared_model import SharedModel
@@ -22,9 +21,8 @@ from owt_campaign.studies.store import Store
 from owt_model.config import CaseConfig
 from owt_model.contracts import LoadBasis
 from owt_model.mesh import Mesh
-from owt_postproc.core import stage as fatigue_stage
 from owt_postproc.core.rainflow import rainflow
-from owt_structure_node.core import stage as response_stage
+from owt_structure_node.core.pieces import Pieces
 from owt_wave_node.core.stage import WaveStage
 
 __all__ = ["BIN_PA", "REDUCTION", "STEP_S", "Sea", "StressRecord", "StressRuns", "leg_ends", "thinned"]
@@ -38,7 +36,7 @@ BIN_PA, BINS = 1e4, 200
 #: Diameter in m of the members whose ranges are binned: the legs.
 LEG_DIAMETER = 1.2
 #: Load samples worked on at a time.
-BLOCK = 250
+PIECE = 500
 
 
 @dataclass(frozen=True)
@@ -63,17 +61,11 @@ class StressRecord:
         Cycles of the von Mises stress in bins of :data:`BIN_PA`.
     energy : float array [5]
         Mean and standard deviation of the potential, of the kinetic energy, and the largest kinetic, in J.
-    damage : float array [spot]
-        Palmgren-Miner sum of each place that is counted; empty of structures other than the reference.
-    half_cycles : int array [spot, bin]
-        Half cycles of each per range bin.
     """
 
     total_stress: Float[np.ndarray, " end"]
     leg_ranges: Float[np.ndarray, "leg_end bin"]
     energy: Float[np.ndarray, " 5"]
-    damage: Float[np.ndarray, " spot"]
-    half_cycles: Int[np.ndarray, "spot bin"]
 
 
 class StressRuns:
@@ -99,7 +91,7 @@ class StressRuns:
         """Case of a run."""
         case = cell_case(
             sea.cell, seed=sea.seed, samples=self.samples, wave=sea.wave, cutoff=sea.cutoff,
-            structure=structure, reduction=REDUCTION, stream={"block": BLOCK},
+            structure=structure, reduction=REDUCTION,
         )  # fmt: skip
         step = {"dt_s": STEP_S, "integrator": "exact"}
         return case.model_copy(update={"structure": case.structure.model_copy(update=step)})
@@ -126,9 +118,10 @@ class StressRuns:
         return self._basis
 
     def key(self, sea: Sea, *more: object) -> list[object]:
-        """All that a run depends on."""
+        """All that the loads and the response of a run depend on."""
+        case = self.case(sea).model_dump(mode="json", exclude={"fatigue", "stream"})
         sample = [[cell.hs_m, cell.from_deg, cell.tp_s] for cell in self._sample]
-        return ["stress", self.case(sea).model_dump(mode="json"), sample, *more]
+        return ["stress", case, sample, *more]
 
     def records(self, sea: Sea, structures: Sequence[str] = ("reference",)) -> dict[str, StressRecord]:
         """Return the runs of a sea on several structures, computed unless they are kept."""
@@ -148,32 +141,21 @@ class StressRuns:
 
     def _record(self, structure: str, waves: WaveStage) -> StressRecord:
         """Response of a structure to the loads of a sea, and what is kept of it."""
-        shared, counted = self.model(structure), structure == "reference"
-        model, state = shared.response, response_stage.ResponseState()
-        assert model is not None, "the structures share their load vectors"
-        fatigue = fatigue_stage.initial_state(shared.fatigue)
-        stress, potential, kinetic = [], [], []
-        for i in range(waves.n_blocks):
-            load = replace(waves.load_block(i), model_hash=shared.mesh.structure.content_hash)
-            state, out = response_stage.step(model, state, load)
-            if counted:
-                fatigue, _ = fatigue_stage.step(shared.fatigue, fatigue, out.stress)
-            stress.append(out.stress.von_mises)
-            potential.append(out.energy.potential)
-            kinetic.append(out.energy.kinetic)
-        mises, p, k = np.concatenate(stress), np.concatenate(potential), np.concatenate(kinetic)
-        damage, half_cycles = np.zeros(0), np.zeros((0, 0), dtype=np.int32)
-        if counted:
-            result = fatigue_stage.final(shared.fatigue, fatigue)
-            damage = result.damage.reshape(-1)
-            histogram = result.histogram.reshape(damage.size, -1)
-            half_cycles = np.rint(2.0 * histogram).astype(np.int32)
+        shared = self.model(structure)
+        assert shared.response is not None, "the structures share their load vectors"
+        mises, potential, kinetic = [], [], []
+        pieces, state = None, None
+        for load in waves.load_rows(0, PIECE):  # the records are of one window
+            pieces = Pieces(shared.response, load) if pieces is None else pieces
+            state, piece = pieces.step(state, load)
+            mises.append(piece.stress[3 * len(piece.stress) // 4 :])
+            potential.append(piece.potential)
+            kinetic.append(piece.kinetic)
+        stress, p, k = np.concatenate(mises, axis=1), np.concatenate(potential), np.concatenate(kinetic)
         return StressRecord(
-            total_stress=0.5 * np.abs(np.diff(mises, axis=0)).sum(axis=0),
-            leg_ranges=np.array([_binned(mises[:, end]) for end in leg_ends(shared.mesh)]),
+            total_stress=0.5 * np.abs(np.diff(stress, axis=1)).sum(axis=1),
+            leg_ranges=np.array([_binned(stress[end]) for end in leg_ends(shared.mesh)]),
             energy=np.array([p.mean(), p.std(), k.mean(), k.std(), k.max()]),
-            damage=damage,
-            half_cycles=half_cycles,
         )
 
     def series(self, sea: Sea, keep: Sequence[str], structure: str = "reference") -> dict[str, np.ndarray]:

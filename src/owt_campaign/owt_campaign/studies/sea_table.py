@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from owt_campaign.load_cases import german_bight, towards_deg
+from owt_campaign.occurrence import table_occurrence
 from owt_campaign.studies.cases import study_case
 from owt_model.config import CaseConfig
 
 __all__ = ["WEIGHTS", "Cell", "cell_case", "few_cells", "load_case_table", "occurrence"]
 
-#: Occurrences per 1 m of Hs of direction 330 deg, the only ones published (thesis table 4.4).
+#: Direction of the only published scatter diagram (thesis table 4.4).
 PUBLISHED_DEG = 330.0
-PUBLISHED = (8226, 14005, 5918, 2141, 918, 399, 107, 19, 11, 5, 0)
-#: Ways to weigh the cells: by the assumed wave rose, by what is published, or each the same.
+#: Ways to weigh the cells: by the assumed wave rose, by what is published (direction 330 deg), or each the same.
 WEIGHTS = ("assumed", "published", "alike")
 
 
@@ -35,15 +34,19 @@ class Cell:
     @property
     def to_deg(self) -> float:
         """Direction the waves travel to, from +x (north) towards +y (west)."""
-        return (180.0 - self.from_deg) % 360.0
+        return towards_deg(self.from_deg)
 
 
 @cache
 def load_case_table() -> tuple[Cell, ...]:
     """The 169 sea states, by rising wave height."""
-    text = (resources.files("owt_campaign") / "data" / "load_cases.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
-    return tuple(Cell(float(r["hs_m"]), float(r["direction_deg"]), float(r["tp_s"])) for r in rows)
+    return tuple(Cell(row.hs_m, row.direction_deg, row.tp_s) for row in german_bight().rows)
+
+
+@cache
+def _probability() -> dict[Cell, float]:
+    """Probability of each sea state of the table by the assumed wave rose."""
+    return dict(zip(load_case_table(), table_occurrence(german_bight()).probability.tolist(), strict=True))
 
 
 def few_cells() -> list[Cell]:
@@ -70,10 +73,8 @@ def occurrence(cells: Sequence[Cell], weights: str = "assumed") -> Float[np.ndar
         One of :data:`WEIGHTS`.
     """
     if weights == "alike":
-        share = np.ones(len(cells))
-    else:
-        # Half of a 1 m bin each; the highest bin, empty in direction 330, counts as one occurrence.
-        share = np.array([max(PUBLISHED[int(cell.hs_m)], 1) / 2.0 for cell in cells])
-        if weights == "published":
-            share[[cell.from_deg != PUBLISHED_DEG for cell in cells]] = 0.0
+        return np.full(len(cells), 1.0 / len(cells))
+    share = np.array([_probability()[cell] for cell in cells])
+    if weights == "published":
+        share[[cell.from_deg != PUBLISHED_DEG for cell in cells]] = 0.0
     return np.asarray(share / share.sum())

@@ -27,6 +27,7 @@ __all__ = [
     "TEAL",
     "canvas",
     "frame",
+    "legend",
     "save",
 ]
 
@@ -49,8 +50,6 @@ _STYLE = {
     "grid.color": GRID,
     "xtick.color": INK,
     "ytick.color": INK,
-    "legend.frameon": False,
-    "legend.fontsize": 8,
 }
 
 
@@ -94,6 +93,11 @@ def frame(
         panel.plot(line[:, 0], line[:, 1], color=colour, lw=width, solid_capstyle="round", **more)
     panel.set_aspect("equal")
     panel.axis("off")
+
+
+def legend(panel: Axes, **more: Any) -> None:
+    """A legend in the style of the studies; `more` as matplotlib's ``legend`` takes it."""
+    panel.legend(**{"frameon": False, "fontsize": 8, **more})
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -37,6 +37,9 @@ class Study:
 
 _ALL = (
     Study("eigen", "frequencies, damping and shapes: tables B.1 to B.3, figures B.1 to B.4", "eigen_page"),
+    Study("interpolation", "error and time of three force distributions: figures 4.4, 4.5", "interpolation"),
+    Study("usfos", "total force of a regular wave on the jacket: appendix C", "usfos"),
+    Study("load-case-table", "weighted against specific Tp: tables D.1, D.2", "load_case_table"),
     Study(
         "wave-comparison",
         "second order against linear: figures 5.1 to 5.4, table 5.1",
@@ -45,6 +48,8 @@ _ALL = (
     Study("sensitivity", "damping and frequency model: figures 5.5 to 5.7", "sensitivity_page"),
     Study("reduction", "reduced models: figures 6.1 to 6.3, tables 6.1 and 6.2", "reduction_page"),
     Study("modal-contribution", "energy per mode: figures 6.4 and 6.5", "modal_contribution"),
+    Study("wind", "wave and wind loads on reduced models: figures 6.6 and 6.7", "wind"),
+    Study("load-vectors", "vectors that steep waves of 2.5 to 17 m need: chapter 7.3.2", "load_vectors"),
     Study("beyond", "damage, error estimate, sampling, seeds, load factors: chapter 7.3", "beyond_page"),
 )
 

@@ -26,6 +26,7 @@ __all__ = [
     "FatigueResult",
     "FatigueState",
     "build_fatigue_model",
+    "count_rows",
     "final",
     "initial_state",
     "step",
@@ -256,6 +257,34 @@ def step(model: FatigueModel, state: FatigueState, stress: StressBlock) -> tuple
     samples = state.samples + len(stress.axial)
     new = replace(counted, sequence=state.sequence + 1, samples=samples, closed=stress.last)
     return new, _running(model, new, stress)
+
+
+def count_rows(
+    model: FatigueModel, state: FatigueState, rows: Float[np.ndarray, "row sample"]
+) -> FatigueState:
+    """Count the next samples of a record that comes in one process: one row per stress and end, time last.
+
+    Parameters
+    ----------
+    model : FatigueModel
+    state : FatigueState
+        The old one stays as it was.
+    rows : float array [4 end, sample]
+        Axial, bending_y, bending_z and von Mises stress in Pa, each of all ends.
+
+    Raises
+    ------
+    ComputationError
+        If they do not fit the model, or hold NaN or inf.
+    """
+    if len(rows) != len(CHANNELS) * model.n_ends:
+        raise ComputationError(
+            f"stress rows: {len(rows)}, expected {len(CHANNELS)} for each of {model.n_ends} member ends."
+        )
+    # A sum is finite only if all its terms are; stress is far too small to overflow one.
+    if not np.isfinite(rows.sum()):
+        raise ComputationError(f"stress rows: NaN or inf after sample {state.samples}.")
+    return replace(_count(model, state, rows), samples=state.samples + rows.shape[1])
 
 
 def _count(model: FatigueModel, state: FatigueState, rows: Float[np.ndarray, "row sample"]) -> FatigueState:

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from owt_postproc.kernels.rainflow import close_residue, extract_cycles
+from owt_postproc.kernels.turning import keep_turning
 
 __all__ = ["close_block", "count_block"]
 
@@ -94,7 +95,7 @@ def count_block(
     room = capacity + SLICE + 2
     work, ranges, means = np.empty(room), np.empty(room), np.empty(room)
     halves = np.empty(room, dtype=np.int64)
-    signal = np.empty(SLICE)
+    signal, kept = np.empty(SLICE), np.empty(SLICE)
     longest = 0
     for begin in range(0, n, SLICE):
         length = min(SLICE, n - begin)
@@ -109,8 +110,9 @@ def count_block(
             residue = stack[c]
             for j in range(depth[c]):
                 work[j] = residue[j]
+            turns = keep_turning(signal[:length], kept)
             new_depth, last[c], found = extract_cycles(
-                signal[:length], work, depth[c], last[c], ranges, means, halves
+                kept[:turns], work, depth[c], last[c], ranges, means, halves
             )
             if new_depth > capacity:
                 return new_depth

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from owt_campaign.engine import cluster_basis, evaluate_case, prepare_model
 from owt_campaign.shared_model import SharedModel
@@ -21,6 +21,7 @@ from owt_campaign.studies.store import Store
 from owt_model.config import CaseConfig
 from owt_model.contracts import LoadBasis
 from owt_model.mesh import Mesh
+from owt_postproc.core import stage as fatigue_stage
 from owt_postproc.core.rainflow import rainflow
 from owt_structure_node.core.pieces import Pieces
 from owt_wave_node.core.stage import WaveStage
@@ -61,11 +62,17 @@ class StressRecord:
         Cycles of the von Mises stress in bins of :data:`BIN_PA`.
     energy : float array [5]
         Mean and standard deviation of the potential, of the kinetic energy, and the largest kinetic, in J.
+    damage : float array [spot]
+        Palmgren-Miner sum of each hot spot of the reference structure; empty of the others.
+    half_cycles : int array [spot, bin]
+        Half cycles of each per range bin.
     """
 
     total_stress: Float[np.ndarray, " end"]
     leg_ranges: Float[np.ndarray, "leg_end bin"]
     energy: Float[np.ndarray, " 5"]
+    damage: Float[np.ndarray, " spot"]
+    half_cycles: Int[np.ndarray, "spot bin"]
 
 
 class StressRuns:
@@ -118,8 +125,8 @@ class StressRuns:
         return self._basis
 
     def key(self, sea: Sea, *more: object) -> list[object]:
-        """All that the loads and the response of a run depend on."""
-        case = self.case(sea).model_dump(mode="json", exclude={"fatigue", "stream"})
+        """All that a run depends on."""
+        case = self.case(sea).model_dump(mode="json", exclude={"stream"})
         sample = [[cell.hs_m, cell.from_deg, cell.tp_s] for cell in self._sample]
         return ["stress", case, sample, *more]
 
@@ -143,19 +150,28 @@ class StressRuns:
         """Response of a structure to the loads of a sea, and what is kept of it."""
         shared = self.model(structure)
         assert shared.response is not None, "the structures share their load vectors"
+        counted, fatigue = structure == "reference", fatigue_stage.initial_state(shared.fatigue)
         mises, potential, kinetic = [], [], []
         pieces, state = None, None
         for load in waves.load_rows(0, PIECE):  # the records are of one window
             pieces = Pieces(shared.response, load) if pieces is None else pieces
             state, piece = pieces.step(state, load)
+            if counted:
+                fatigue = fatigue_stage.count_rows(shared.fatigue, fatigue, piece.stress)
             mises.append(piece.stress[3 * len(piece.stress) // 4 :])
             potential.append(piece.potential)
             kinetic.append(piece.kinetic)
         stress, p, k = np.concatenate(mises, axis=1), np.concatenate(potential), np.concatenate(kinetic)
+        damage, half_cycles = np.zeros(0), np.zeros((0, 0), dtype=np.int32)
+        if counted:
+            result = fatigue_stage.final(shared.fatigue, fatigue)
+            damage, half_cycles = result.damage, np.rint(2.0 * result.histogram).astype(np.int32)
         return StressRecord(
             total_stress=0.5 * np.abs(np.diff(stress, axis=1)).sum(axis=1),
             leg_ranges=np.array([_binned(stress[end]) for end in leg_ends(shared.mesh)]),
             energy=np.array([p.mean(), p.std(), k.mean(), k.std(), k.max()]),
+            damage=damage,
+            half_cycles=half_cycles,
         )
 
     def series(self, sea: Sea, keep: Sequence[str], structure: str = "reference") -> dict[str, np.ndarray]:

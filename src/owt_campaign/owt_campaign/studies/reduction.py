@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +27,7 @@ from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
 from owt_structure_node.core.response import build_modal_model
 
-__all__ = ["COUNT", "LIMIT", "ReductionStudy", "reduction_study"]
+__all__ = ["COUNT", "LIMIT", "ReductionStudy", "further_seeds", "reduction_study"]
 
 #: Error of a frequency beyond which the thesis calls a model no longer accurate.
 LIMIT = 0.01
@@ -88,7 +88,7 @@ class ReductionStudy:
 def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
     """Run the study."""
     cells = list(load_case_table()) if full else few_cells()
-    others = {2: cells[::6], 3: cells[3::6]} if full else {2: cells[:1], 3: cells[-1:]}
+    others = further_seeds(cells, full=full)
     errors = table_errors(
         cells, others, samples=6000 if full else 1200, store=Store(), progress=progress
     )
@@ -96,6 +96,11 @@ def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
     models |= {c: len({cluster_of(cell, c) for cell in cells}) for c in CLUSTERS}
     seconds, size = _times(cells[-1], 6000 if full else 600)
     return ReductionStudy(errors, _frequencies(), seconds, size, models)
+
+
+def further_seeds(cells: Sequence[Cell], *, full: bool) -> dict[int, Sequence[Cell]]:
+    """Sea states of further seeds, which the clusters have not seen."""
+    return {2: cells[::6], 3: cells[3::6]} if full else {2: cells[:1], 3: cells[-1:]}
 
 
 def _frequencies() -> dict[str, Float[np.ndarray, " mode"]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +19,7 @@ from owt_campaign.studies.stress_runs import STEP_S, Sea, StressRuns, leg_ends, 
 from owt_campaign.studies.wave_totals import Members, TableRuns, run_table
 from owt_wave_node.core.stage import WaveStage
 
-__all__ = ["EnergyPeaks", "WaveComparison", "energy_peaks", "wave_comparison"]
+__all__ = ["EnergyPeaks", "WaveComparison", "energy_peaks", "table_plan", "wave_comparison"]
 
 LINEARS = tuple(name for name in WAVE_MODELS if name != SECOND_ORDER)
 #: Figure 5.3: Hs 1.5 m of direction 330 deg with these Tp in s, and the bands round the eigenfrequencies in Hz.
@@ -112,16 +113,7 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
     some = list(cells) if full else few_cells()
     samples = 6000 if full else 1200
     runs = StressRuns(thinned(some) if full else some[:1], samples=samples, store=Store())
-    structures = ("reference", "damping", "frequency") if full else ("reference",)
-    plan = [(1, wave, some, structures) for wave in (SECOND_ORDER, LINEAR)]
-    plan += [
-        (seed, wave, some if full else some[-2:], ("reference",))
-        for seed in (2, 3)
-        for wave in (SECOND_ORDER, LINEAR)
-    ]
-    others = [name for name in LINEARS if name != LINEAR]
-    plan += [(1, wave, some if full else some[-2:], ("reference",)) for wave in others]
-    table = run_table(runs, plan, progress)["reference"]
+    table = run_table(runs, table_plan(some, full=full), progress)["reference"]
     mesh = runs.mesh
     peaks, trace = _highest(runs, cells[-1], range(1, 11) if full else range(1, 4), full)
     members = Members.of(mesh)
@@ -137,6 +129,20 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
         seconds={wave: _load_seconds(runs, wave) for wave in WAVE_MODELS},
         mesh=mesh,
     )
+
+
+def table_plan(
+    cells: Sequence[Cell], *, full: bool
+) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
+    """Runs of chapter 5: all cells with seed 1, every third one with two further seeds, all linear models."""
+    structures, alone = ("reference", "damping", "frequency"), ("reference",)
+    further = cells[::3] if full else cells[-2:]
+    both, others = (SECOND_ORDER, LINEAR), [name for name in LINEARS if name != LINEAR]
+    plan: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = [
+        (1, wave, cells, structures if full else alone) for wave in both
+    ]
+    plan += [(seed, wave, further, alone) for seed in (2, 3) for wave in both]
+    return plan + [(1, wave, cells if full else further, alone) for wave in others]
 
 
 def _highest(

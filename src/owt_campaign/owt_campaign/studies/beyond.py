@@ -97,7 +97,7 @@ class Beyond:
 
     @property
     def seeds_of_table(self) -> float:
-        """Seeds per sea state that bring the damage of all sea states run within 5 %, from the pooled scatter."""
+        """Seeds per sea state that bring the damage of all that are run within 5 %, by the pooled scatter."""
         damage = self.cell_damage()
         part = occurrence(list(damage)) * np.array(list(damage.values()))
         return float((QUANTILE * self.scatter.pooled / WANTED) ** 2 * (part**2).sum() / part.sum() ** 2)
@@ -118,7 +118,7 @@ class SeedScatter:
     pooled : float
         Root of the mean of their squares, each cell by its share of the damage.
     half_width : float
-        Half of the 95 % interval of the table's damage, relative, with as many seeds as there are (bootstrap).
+        Half of the 95 % interval of their damage, relative, with as many seeds as there are (bootstrap).
     seeds : int
         How many that is.
     needed_table, needed_cell : float
@@ -139,7 +139,9 @@ def beyond_study(*, full: bool, progress: Progress) -> Beyond:
     samples, store = 6000 if full else 1200, Store()
     runs = StressRuns(thinned(cells) if full else cells[:1], samples=samples, store=store)
     table = run_table(runs, table_plan(cells, full=full), progress)["reference"]
-    errors = table_errors(cells, further_seeds(cells, full=full), samples=samples, store=store, progress=progress)
+    errors = table_errors(
+        cells, further_seeds(cells, full=full), samples=samples, store=store, progress=progress
+    )
     damage = table.total(SECOND_ORDER, part="damage")
     worst = int(damage.argmax())
     model = runs.model("reference")
@@ -294,7 +296,10 @@ def cells_for(damage: Mapping[Cell, float]) -> dict[str, tuple[float, int]]:
         order = np.argsort(weight)[::-1]
         estimate = np.cumsum(part[order]) / np.cumsum(weight[order])
         beyond = np.flatnonzero(np.abs(estimate / total - 1.0) > WANTED)
-        found[name] = ((QUANTILE / WANTED) ** 2 * max(variance, 0.0), int(beyond[-1]) + 2 if len(beyond) else 1)
+        found[name] = (
+            (QUANTILE / WANTED) ** 2 * max(variance, 0.0),
+            int(beyond[-1]) + 2 if len(beyond) else 1,
+        )
     return found
 
 

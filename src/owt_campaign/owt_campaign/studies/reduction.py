@@ -13,7 +13,6 @@ from owt_campaign.engine import evaluate_case, prepare_model
 from owt_campaign.standard_load import standard_load_basis
 from owt_campaign.studies.cases import MODEL
 from owt_campaign.studies.reduction_runs import (
-    CLUSTERED,
     CLUSTERS,
     SPECIFIC,
     SeaErrors,
@@ -89,9 +88,7 @@ def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
     """Run the study."""
     cells = list(load_case_table()) if full else few_cells()
     others = further_seeds(cells, full=full)
-    errors = table_errors(
-        cells, others, samples=6000 if full else 1200, store=Store(), progress=progress
-    )
+    errors = table_errors(cells, others, samples=6000 if full else 1200, store=Store(), progress=progress)
     models = {"spec": 3 * len(cells)}
     models |= {c: len({cluster_of(cell, c) for cell in cells}) for c in CLUSTERS}
     seconds, size = _times(cells[-1], 6000 if full else 600)
@@ -107,9 +104,7 @@ def _frequencies() -> dict[str, Float[np.ndarray, " mode"]]:
     """Frequencies of the turbine; load vectors as in table B.1."""
     structure = load_structure(MODEL)
     mesh, basis = build_mesh(structure), standard_load_basis(structure, 20)
-    return {
-        name: build_modal_model(mesh, name, basis).frequency_hz[:COUNT] for name in ("full", *SPECIFIC)
-    }
+    return {name: build_modal_model(mesh, name, basis).frequency_hz[:COUNT] for name in ("full", *SPECIFIC)}
 
 
 def _times(cell: Cell, samples: int) -> tuple[dict[str, float], dict[str, int]]:
@@ -127,9 +122,9 @@ def _times(cell: Cell, samples: int) -> tuple[dict[str, float], dict[str, int]]:
     return seconds, size
 
 
-def ordered(study: ReductionStudy, model: str, measure: Callable[..., float] = np.median) -> list[tuple[str, float]]:
+def ordered(
+    study: ReductionStudy, model: str, measure: Callable[..., float] = np.median
+) -> list[tuple[str, float]]:
     """Errors of the strategies of a model, each by its `measure` over all runs, in the order of the print."""
     names = [model, *(f"{model} {clustering}" for clustering in CLUSTERS)]
     return [(name, float(measure(study.values(name)))) for name in names]
-
-

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from jaxtyping import Float
 
 from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import few_cells, load_case_table
+from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import Sea, StressRuns, thinned
 from owt_campaign.studies.wave_comparison import EnergyPeaks, energy_peaks
@@ -63,7 +64,7 @@ class Sensitivity:
             )
             for records in (other, mine)
         )
-        return np.where(one > 1e-3 * one.max(), two, np.nan) / one.clip(min=1e-300)
+        return np.asarray(np.where(one > 1e-3 * one.max(), two, np.nan) / one.clip(min=1e-300))
 
     @property
     def seeds(self) -> list[int]:
@@ -74,12 +75,12 @@ class Sensitivity:
 def sensitivity_study(*, full: bool, progress: Progress) -> Sensitivity:
     """Run the study."""
     cells = list(load_case_table()) if full else few_cells()
-    runs = StressRuns(
-        thinned(cells) if full else cells[:1], samples=6000 if full else 1200, store=Store()
-    )
+    runs = StressRuns(thinned(cells) if full else cells[:1], samples=6000 if full else 1200, store=Store())
     both, structures = (SECOND_ORDER, LINEAR), ("reference", "damping", "frequency")
     further = cells[::FURTHER_EVERY] if full else cells[-2:]
-    plan = [(1, wave, cells, structures) for wave in both]
+    plan: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = [
+        (1, wave, cells, structures) for wave in both
+    ]
     plan += [(seed, wave, further, ("reference",)) for seed in (2, 3) for wave in both]
     plan += [(seed, wave, further, ("damping", "frequency")) for seed in (2, 3) for wave in both]
     tables = run_table(runs, plan, progress)

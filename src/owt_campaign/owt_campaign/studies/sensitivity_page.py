@@ -18,11 +18,11 @@ __all__ = ["NAME", "result", "run"]
 NAME = "sensitivity"
 _TITLE = "Damping and frequency model: thesis chapter 5.3, figures 5.5 to 5.7"
 _HEAD = """\
-The runs of the [wave comparison](wave-comparison.md) on three structures: the reference, the frequency model
-(stiffness of the jacket times 0.37, first mode at 0.28 Hz) and the damping model (a dashpot at the tower top that
-gives the first two modes 30 % logarithmic decrement, as table B.3 has it). Second order with Taylor expansion,
-linear with constant extrapolation, cut-off 4 omega_p; 600 s; total stress as there. Averages are over the members,
-each counted once."""
+The runs of the [wave comparison](wave-comparison.md) on three structures: the reference, the frequency
+model (stiffness of the jacket times 0.37, first mode at 0.28 Hz) and the damping model (a dashpot at the
+tower top that gives the first two modes 30 % logarithmic decrement, as table B.3 has it). Second order
+with Taylor expansion, linear with constant extrapolation, cut-off 4 omega_p; 600 s; total stress as
+there. Averages are over the members, each counted once."""
 
 
 def run(*, full: bool, progress: Progress) -> StudyResult:
@@ -42,7 +42,11 @@ def result(found: Sensitivity, *, full: bool) -> StudyResult:
         verdict=_verdict(found, rows),
         full=full,
         figures={key: partial(_draw, name, found) for key, name in figures.items()},
-        data={"runs": _runs(found)},
+        data={
+            "runs": _runs(found),
+            "mean_kinetic_j": found.mean_kinetic,
+            "kinetic_factor": {name: [p.factor[10.0] for p in peaks] for name, peaks in found.peaks.items()},
+        },
     )
 
 
@@ -91,10 +95,21 @@ def _ratio_rows(found: Sensitivity) -> list[Row]:
         ("frequency", "a little smaller than the reference", -1.0),
     ):
         ours = _increase(found, structure, 1)
-        each = [sign * (_increase(found, structure, s) - _increase(found, "reference", s)) > 0.0 for s in found.seeds]
+        each = [
+            sign * (_increase(found, structure, s) - _increase(found, "reference", s)) > 0.0
+            for s in found.seeds
+        ]
         verdict: Outcome = "reproduced" if all(each) else "partly" if any(each) else "not"
         rows.append(
-            Row(f"the same, {structure} model", "5.3, figure 5.6", printed, ours, "%", _spread(found, structure), verdict)
+            Row(
+                f"the same, {structure} model",
+                "5.3, figure 5.6",
+                printed,
+                ours,
+                "%",
+                _spread(found, structure),
+                verdict,
+            )
         )
     return rows
 
@@ -105,7 +120,7 @@ def _spread(found: Sensitivity, structure: str) -> tuple[float, float]:
 
 
 def _energy_rows(found: Sensitivity) -> list[Row]:
-    words = {
+    words: dict[str, float | str] = {
         "reference": 2.73,
         "frequency": "smaller than the reference",
         "damping": "slightly smaller than the reference",
@@ -120,7 +135,10 @@ def _energy_rows(found: Sensitivity) -> list[Row]:
                 "5.3, figure 5.7", printed, ours, "", (min(factor), max(factor)),
                 "reproduced" if fits else "not")
         )  # fmt: skip
-    for structure, printed, more in (("frequency", "significantly higher", True), ("damping", "lower", False)):
+    for structure, printed, more in (
+        ("frequency", "significantly higher", True),
+        ("damping", "lower", False),
+    ):
         ratio = [
             own / ref
             for own, ref in zip(found.mean_kinetic[structure], found.mean_kinetic["reference"], strict=True)
@@ -164,7 +182,8 @@ def _sections(found: Sensitivity, rows: list[Row]) -> list[str]:
         f"Runs of each structure and wave model: {runs}; the highest sea state with "
         f"{len(found.peaks['reference'])} seeds. Values are those of seed 1, the range that of the seeds.",
         "## Print and this code\n\n" + rows_table(rows),
-        "## Weights\n\nChange of the total stress against the reference and increase by the second order, in percent, "
+        "## Weights\n\nChange of the total stress against the reference and increase by the second order, "
+        "in percent, "
         "averages over the members, seed 1; weights as in the wave comparison.\n\n" + _weights_table(found),
         f"![total stress of the three structures]({NAME}-stress.png)",
         f"![second order over linear]({NAME}-ratio.png)",
@@ -177,7 +196,8 @@ def _verdict(found: Sensitivity, rows: list[Row]) -> Verdict:
     raised = {name: _increase(found, name, 1) for name in STRUCTURES}
     why = (
         f"On average the frequency model has {frequency:+.0f} % stress (print +400 %), the damping model "
-        f"{damping:+.0f} % (print -20 %); the second order adds {raised['reference']:.1f} % on the reference, "
+        f"{damping:+.0f} % (print -20 %); the second order adds {raised['reference']:.1f} % on the "
+        "reference, "
         f"{raised['damping']:.1f} % on the damping and {raised['frequency']:.1f} % on the frequency model."
     )
     missed = [row for row in rows if row.verdict in ("partly", "not")]

@@ -140,7 +140,8 @@ class StressRuns:
 
     def _computed(self, sea: Sea, structures: Sequence[str]) -> dict[str, np.ndarray]:
         case, first = self.case(sea), self.model("reference")
-        waves, found = WaveStage(case, first.mesh, hydro=first.hydro), {}
+        waves = WaveStage(case, first.mesh, hydro=first.hydro)
+        found: dict[str, np.ndarray] = {}
         for name in structures:
             record = self._record(name, waves)
             found |= {f"{part.name} {name}": getattr(record, part.name) for part in fields(record)}

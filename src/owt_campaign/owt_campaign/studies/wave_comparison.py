@@ -22,7 +22,7 @@ from owt_wave_node.core.stage import WaveStage
 __all__ = ["EnergyPeaks", "WaveComparison", "energy_peaks", "table_plan", "wave_comparison"]
 
 LINEARS = tuple(name for name in WAVE_MODELS if name != SECOND_ORDER)
-#: Figure 5.3: Hs 1.5 m of direction 330 deg with these Tp in s, and the bands round the eigenfrequencies in Hz.
+#: Figure 5.3: Hs 1.5 m of direction 330 deg with these Tp in s; bands round the eigenfrequencies in Hz.
 SPECTRA_TP = (4.5, 9.1, 14.5)
 BANDS = {"first two modes": (0.34, 0.43), "modes 3 and 4": (0.98, 1.15)}
 #: Half the width in s of the window of figure 5.4, which is not printed.
@@ -131,9 +131,7 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
     )
 
 
-def table_plan(
-    cells: Sequence[Cell], *, full: bool
-) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
+def table_plan(cells: Sequence[Cell], *, full: bool) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
     """Runs of chapter 5: all cells with seed 1, every third one with two further seeds, all linear models."""
     structures, alone = ("reference", "damping", "frequency"), ("reference",)
     further = cells[::3] if full else cells[-2:]

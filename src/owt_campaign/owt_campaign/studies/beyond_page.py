@@ -174,7 +174,8 @@ def _linear_table(found: Beyond) -> str:
         ratio = two[spots] / one[spots]
         lines.append(
             [wave, f"{100.0 * (two[found.worst] / one[found.worst] - 1.0):+.1f}",
-             f"{_percent(ratio.mean()):+.1f}", f"{_percent(ratio.min()):+.1f} to {_percent(ratio.max()):+.1f}"]
+             f"{_percent(ratio.mean()):+.1f}",
+             f"{_percent(ratio.min()):+.1f} to {_percent(ratio.max()):+.1f}"]
         )  # fmt: skip
     return table(["linear model", "worst hot spot [%]", "mean of the joints [%]", "joints [%]"], lines)
 

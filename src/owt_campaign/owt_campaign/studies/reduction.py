@@ -20,7 +20,7 @@ from owt_campaign.studies.reduction_runs import (
     table_errors,
 )
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, cell_case, few_cells, load_case_table
+from owt_campaign.studies.sea_table import Cell, cell_case, few_cells, load_case_table, published_cells
 from owt_campaign.studies.store import Store
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
@@ -97,7 +97,8 @@ def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
 
 def further_seeds(cells: Sequence[Cell], *, full: bool) -> dict[int, Sequence[Cell]]:
     """Sea states of further seeds, which the clusters have not seen."""
-    return {2: cells[::6], 3: cells[3::6]} if full else {2: cells[:1], 3: cells[-1:]}
+    known = published_cells()
+    return {2: known, 3: known} if full else {2: cells[:1], 3: cells[-1:]}
 
 
 def _frequencies() -> dict[str, Float[np.ndarray, " mode"]]:

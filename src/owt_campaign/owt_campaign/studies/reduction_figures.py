@@ -51,7 +51,7 @@ def _errors(study: ReductionStudy, names: list[str], words: str, limit: float | 
     for panel, (of, title) in zip(panels[0], TITLES.items(), strict=True):
         for i, name in enumerate(names):
             values = study.values(name, of, (1,))
-            look = {"marker": "o" if i < 4 else "x", "ms": 2.2, "mew": 0.7, "ls": ""}
+            look = {"marker": "o" if i < 4 else "x", "ms": 3.0, "mew": 0.9, "ls": ""}
             panel.semilogy(
                 np.arange(1, len(values) + 1), 100.0 * values, color=colours[i], label=name, **look
             )

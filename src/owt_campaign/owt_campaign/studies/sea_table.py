@@ -15,7 +15,7 @@ from owt_campaign.occurrence import table_occurrence
 from owt_campaign.studies.cases import study_case
 from owt_model.config import CaseConfig
 
-__all__ = ["WEIGHTS", "Cell", "cell_case", "few_cells", "load_case_table", "occurrence"]
+__all__ = ["WEIGHTS", "Cell", "cell_case", "few_cells", "load_case_table", "occurrence", "published_cells"]
 
 #: Direction of the only published scatter diagram (thesis table 4.4).
 PUBLISHED_DEG = 330.0
@@ -49,6 +49,11 @@ def _probability() -> dict[Cell, float]:
     return dict(zip(load_case_table(), table_occurrence(german_bight()).probability.tolist(), strict=True))
 
 
+def published_cells() -> list[Cell]:
+    """The sea states of direction 330 deg, whose occurrences are published."""
+    return [cell for cell in load_case_table() if cell.from_deg == PUBLISHED_DEG]
+
+
 def few_cells() -> list[Cell]:
     """What reduced versions of the studies run: two heights of direction 330 deg, and one from 240 deg."""
     chosen = {(1.25, 330.0), (5.25, 330.0), (5.25, 240.0)}
@@ -63,7 +68,7 @@ def cell_case(cell: Cell, *, seed: int = 1, samples: int = 6000, **changes: Any)
 
 
 def occurrence(cells: Sequence[Cell], weights: str = "assumed") -> Float[np.ndarray, " cell"]:
-    """Probability of each cell among the given ones.
+    """Probability of each cell among the given ones, which stand for all of their direction.
 
     Parameters
     ----------
@@ -74,7 +79,12 @@ def occurrence(cells: Sequence[Cell], weights: str = "assumed") -> Float[np.ndar
     """
     if weights == "alike":
         return np.full(len(cells), 1.0 / len(cells))
-    share = np.array([_probability()[cell] for cell in cells])
+    known = _probability()
+    share = np.array([known[cell] for cell in cells])
+    origin = np.array([cell.from_deg for cell in cells])
+    for direction in set(origin.tolist()):
+        here, whole = origin == direction, sum(p for c, p in known.items() if c.from_deg == direction)
+        share[here] *= whole / share[here].sum() if share[here].any() else 0.0
     if weights == "published":
-        share[[cell.from_deg != PUBLISHED_DEG for cell in cells]] = 0.0
+        share[origin != PUBLISHED_DEG] = 0.0
     return np.asarray(share / share.sum())

@@ -13,15 +13,13 @@ from owt_campaign.studies.registry import Progress
 from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import Sea, StressRuns, thinned
-from owt_campaign.studies.wave_comparison import EnergyPeaks, energy_peaks
+from owt_campaign.studies.wave_comparison import EnergyPeaks, energy_peaks, table_plan
 from owt_campaign.studies.wave_totals import Members, TableRuns, by_member, run_table
 from owt_model.mesh import Mesh
 
 __all__ = ["STRUCTURES", "Sensitivity", "sensitivity_study"]
 
 STRUCTURES = ("reference", "frequency", "damping")
-#: Cells between those of the table that further seeds run.
-FURTHER_EVERY = 6
 
 
 @dataclass(frozen=True)
@@ -72,23 +70,29 @@ class Sensitivity:
         return sorted(set.intersection(*(set(t.seeds(LINEAR)) for t in self.tables.values())))
 
 
+def _plan(cells: Sequence[Cell], *, full: bool) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
+    """Runs on all structures: as in the wave comparison."""
+    structures = ("reference", "damping", "frequency")
+    if full:
+        return [part for part in table_plan(cells, full=True) if tuple(part[3]) == structures]
+    return [
+        (seed, wave, cells if seed == 1 else cells[-2:], structures)
+        for seed in (1, 2, 3)
+        for wave in (SECOND_ORDER, LINEAR)
+    ]
+
+
 def sensitivity_study(*, full: bool, progress: Progress) -> Sensitivity:
     """Run the study."""
     cells = list(load_case_table()) if full else few_cells()
     runs = StressRuns(thinned(cells) if full else cells[:1], samples=6000 if full else 1200, store=Store())
-    both, structures = (SECOND_ORDER, LINEAR), ("reference", "damping", "frequency")
-    further = cells[::FURTHER_EVERY] if full else cells[-2:]
-    plan: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = [
-        (1, wave, cells, structures) for wave in both
-    ]
-    plan += [(seed, wave, further, ("reference",)) for seed in (2, 3) for wave in both]
-    plan += [(seed, wave, further, ("damping", "frequency")) for seed in (2, 3) for wave in both]
-    tables = run_table(runs, plan, progress)
+    both = (SECOND_ORDER, LINEAR)
+    tables = run_table(runs, _plan(cells, full=full), progress)
     peaks: dict[str, list[EnergyPeaks]] = {}
     mean: dict[str, list[float]] = {}
     trace: dict[str, Float[np.ndarray, " sample"]] = {}
     for structure in STRUCTURES:
-        for seed in range(1, 11 if full else 4):
+        for seed in range(1, 7 if full else 4):
             kinetic = {
                 wave: runs.series(Sea(load_case_table()[-1], seed, wave), ["kinetic"], structure)["kinetic"]
                 for wave in both

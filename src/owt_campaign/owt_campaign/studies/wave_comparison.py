@@ -13,7 +13,7 @@ from scipy.signal import welch
 
 from owt_campaign.studies.cases import CUTOFFS, LINEAR, SECOND_ORDER, WAVE_MODELS
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
+from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, published_cells
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import STEP_S, Sea, StressRuns, leg_ends, thinned
 from owt_campaign.studies.wave_totals import Members, TableRuns, run_table
@@ -115,7 +115,7 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
     runs = StressRuns(thinned(some) if full else some[:1], samples=samples, store=Store())
     table = run_table(runs, table_plan(some, full=full), progress)["reference"]
     mesh = runs.mesh
-    peaks, trace = _highest(runs, cells[-1], range(1, 11) if full else range(1, 4), full)
+    peaks, trace = _highest(runs, cells[-1], range(1, 7) if full else range(1, 4), full)
     members = Members.of(mesh)
     focus = _focus_two(members, table)
     spectra = {tp: _spectrum(runs, tp, mesh.end_name[focus]) for tp in SPECTRA_TP}
@@ -132,15 +132,27 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
 
 
 def table_plan(cells: Sequence[Cell], *, full: bool) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
-    """Runs of chapter 5: all cells with seed 1, every third one with two further seeds, all linear models."""
+    """Runs of chapter 5.
+
+    All sea states with seed 1, those of direction 330 degrees with two more seeds and the other linear
+    models; those and every third one on all structures.
+    """
     structures, alone = ("reference", "damping", "frequency"), ("reference",)
-    further = cells[::3] if full else cells[-2:]
     both, others = (SECOND_ORDER, LINEAR), [name for name in LINEARS if name != LINEAR]
-    plan: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = [
-        (1, wave, cells, structures if full else alone) for wave in both
-    ]
-    plan += [(seed, wave, further, alone) for seed in (2, 3) for wave in both]
-    return plan + [(1, wave, cells if full else further, alone) for wave in others]
+    if not full:
+        few = cells[-2:]
+        parts: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = []
+        parts += [(1, wave, cells, alone) for wave in both]
+        parts += [(seed, wave, few, alone) for seed in (2, 3) for wave in both]
+        return parts + [(1, wave, few, alone) for wave in others]
+    known = published_cells()
+    every = list(dict.fromkeys([*cells[::3], *known]))
+    rest = [cell for cell in cells if cell not in set(every)]
+    plan: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = []
+    plan += [(1, wave, every, structures) for wave in both]
+    plan += [(1, wave, rest, alone) for wave in both]
+    plan += [(seed, wave, known, structures) for seed in (2, 3) for wave in both]
+    return plan + [(1, wave, known, alone) for wave in others]
 
 
 def _highest(

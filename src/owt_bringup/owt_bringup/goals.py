@@ -86,7 +86,7 @@ def _read(text: str) -> tuple[CaseConfig, Structure]:
     case = parse_case_text(text)
     structure = case_structure(case.structure)
     structure.check_water_depth(case.water_depth_m)
-    sn_curve(case.fatigue.sn_curve)
+    sn_curve(case.fatigue.sn_curve, case.fatigue.sn_file)
     return case, structure
 
 

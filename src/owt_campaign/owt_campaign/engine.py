@@ -23,10 +23,10 @@ from owt_campaign.shared_model import (
     prepare_model,
 )
 from owt_model.config import CaseConfig
-from owt_model.contracts import LoadRows, StressBlock
+from owt_model.contracts import LoadRows
 from owt_model.errors import InputError
 from owt_postproc.core import stage as fatigue_stage
-from owt_postproc.core.stage import FatigueResult, FatigueState
+from owt_postproc.core.stage import FatigueResult
 from owt_structure_node.core.pieces import Piece, Pieces, PieceState
 from owt_structure_node.core.response_model import ResponseModel
 from owt_structure_node.core.tower_top import TowerTopLoad
@@ -145,7 +145,7 @@ def evaluate_case(
     fatigue_state = fatigue_stage.initial_state(model.fatigue)
     for piece in _pieces(wave, response, tower_top, keeper, clock):
         energies.append(_energies(piece))
-        fatigue_state = _count(model, fatigue_state, piece)
+        fatigue_state = fatigue_stage.count_rows(model.fatigue, fatigue_state, piece.stress)
         clock.lap("rainflow")
     return CaseOutcome(
         case=case,
@@ -188,19 +188,6 @@ def _wrench(tower_top: TowerTopLoad | None, load: LoadRows) -> Float[np.ndarray,
     if tower_top is None:
         return None
     return tower_top.samples(load.start, load.start + load.nodal.shape[2])
-
-
-def _count(model: SharedModel, state: FatigueState, piece: Piece) -> FatigueState:
-    """Count the stress of one piece."""
-    n = model.fatigue.n_ends
-    axial, bending_y, bending_z, von_mises = (
-        np.ascontiguousarray(piece.stress[i * n : (i + 1) * n].T) for i in range(4)
-    )
-    block = StressBlock(
-        sequence=state.sequence, start=piece.start, dt=model.fatigue.dt, last=False,
-        axial=axial, bending_y=bending_y, bending_z=bending_z, von_mises=von_mises,
-    )  # fmt: skip
-    return fatigue_stage.step(model.fatigue, state, block)[0]
 
 
 def _energies(piece: Piece) -> Energies:

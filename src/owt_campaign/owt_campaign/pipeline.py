@@ -23,9 +23,11 @@ from owt_model.contracts import (
     sea_facts,
 )
 from owt_model.errors import InputError
+from owt_model.frame import frame_of_mesh
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import Structure, case_structure
 from owt_postproc.core import stage as fatigue_stage
+from owt_postproc.core.hot_spots import build_hot_spots
 from owt_postproc.report_data import ReportCollector, ReportData, mesh_geometry
 from owt_structure_node.core import stage as response_stage
 from owt_structure_node.core.tower_top import TowerTopLoad
@@ -141,7 +143,8 @@ def prepare_case(
     clock = StageClock()
     case = resolve_case(case)
     mesh = build_mesh(case_structure(case.structure, structure))
-    fatigue = fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members)
+    hot_spots = build_hot_spots(frame_of_mesh(mesh), case.fatigue)
+    fatigue = fatigue_stage.build_fatigue_model(case, hot_spots)
     clock.lap("model")
     tower_top = tower_top_load(case, mesh) if tower_top is None else tower_top
     clock.lap("tower-top load")

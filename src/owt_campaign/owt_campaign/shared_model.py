@@ -11,9 +11,11 @@ import numpy as np
 from owt_model.config import CaseConfig
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
+from owt_model.frame import frame_of_mesh
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import Structure, case_structure
 from owt_postproc.core import stage as fatigue_stage
+from owt_postproc.core.hot_spots import build_hot_spots
 from owt_structure_node.core.response import StructureParts, structure_parts
 from owt_structure_node.core.response_model import ResponseModel, build_response_model, n_mta
 from owt_structure_node.core.tower_top import TowerTopLoad
@@ -106,7 +108,7 @@ def prepare_model(
         key=model_key(case),
         mesh=mesh,
         parts=parts,
-        fatigue=fatigue_stage.build_fatigue_model(case, n_ends=2 * mesh.n_members),
+        fatigue=fatigue_stage.build_fatigue_model(case, build_hot_spots(frame_of_mesh(mesh), case.fatigue)),
         hydro=None if case.morison.points == "gauss" else case_hydro_mesh(case, mesh, lowest=-np.inf),
         basis=basis,
         response=_shared_response(case, mesh, parts, basis),

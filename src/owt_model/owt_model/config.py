@@ -15,6 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError, model_validator
 
 from owt_model.errors import InputError
+from owt_model.fatigue_config import Fatigue
 from owt_model.live_config import LiveElevation
 from owt_model.sea_config import (
     Components,
@@ -148,15 +149,6 @@ class Morison(Frozen):
                     "List [z, value] by level.",
                 )
         return self
-
-
-class Fatigue(Frozen):
-    """How stress becomes damage."""
-
-    sn_curve: str = Field(
-        "T_cathodic_protection", min_length=1, description="name of an S-N curve in the data file"
-    )
-    scf: float = Field(1.0, ge=1.0, le=50.0, description="stress concentration factor on the nominal stress")
 
 
 class Stream(Frozen):

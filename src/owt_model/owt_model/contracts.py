@@ -303,13 +303,17 @@ class FatigueBlock(Block):
     Attributes
     ----------
     cycles : float array [end]
-        Cycles counted at the point of largest damage, the residue as half cycles.
+        Cycles counted at the hot spot of largest damage, the residue as half cycles.
     damage : float array [end]
-        Palmgren-Miner sum, the largest of the points round the section.
+        Palmgren-Miner sum, the largest of the end's hot spots.
     total_stress : float array [end]
         Sum of range times count of the von Mises stress in Pa, the thesis' measure (chapter 5).
     max_range : float array [end]
-        Largest range of the signed normal stress in Pa.
+        Largest range in Pa of the signed stress of the end's hot spots.
+    side : int array [end]
+        Of the hot spot of largest damage: 0 wall, 1 chord, 2 brace; none of an older recording.
+    angle_deg : float array [end]
+        Of the same hot spot.
     """
 
     samples_counted: int
@@ -318,3 +322,5 @@ class FatigueBlock(Block):
     damage: Float[np.ndarray, " end"]
     total_stress: Float[np.ndarray, " end"]
     max_range: Float[np.ndarray, " end"]
+    side: Int[np.ndarray, " known"]
+    angle_deg: Float[np.ndarray, " known"]

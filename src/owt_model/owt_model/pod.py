@@ -13,6 +13,7 @@ from jaxtyping import Float, Int
 from scipy.linalg import blas, eigh
 from scipy.sparse.linalg import eigsh, svds
 
+from owt_model.block_lanczos import leading_shapes
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 
@@ -26,8 +27,8 @@ DENSE = 200
 BANDS = 256
 #: Share of the variance of the loads below their highest frequency, and random sums of loads that tell it.
 BELOW_HIGHEST, SUMS = 0.999, 16
-#: Snapshots whose mean is removed at a time.
-CHUNK = 512
+#: Snapshots whose mean is removed at a time, and rows.
+CHUNK, ROWS = 512, 32
 
 
 def load_basis(
@@ -39,7 +40,8 @@ def load_basis(
 ) -> LoadBasis:
     """Return the `n_vectors` most energetic spatial vectors of a load history [eq. E.3-E.7].
 
-    The mean is removed first (E.3). A restarted Lanczos method finds just the leading singular triplets.
+    The mean is removed first (E.3). A Lanczos method finds just the leading singular triplets. Histories with
+    time last in memory are not copied.
 
     Parameters
     ----------
@@ -59,15 +61,16 @@ def load_basis(
     """
     n_snapshots = nodal.shape[0]
     mean = nodal.mean(axis=0)
-    snapshots = (nodal - mean).reshape(n_snapshots, -1)
-    variance = float(np.vdot(snapshots, snapshots))
+    rows, row_mean = nodal.reshape(n_snapshots, -1).T, mean.reshape(-1)
+    variance = _variance(rows, row_mean)
     if n_vectors == 0 or variance == 0.0:
         bare = LoadBasis(
             model_hash, node, np.zeros((0, *mean.shape)), np.zeros(0), variance, mean, n_snapshots
         )
-        return replace(bare, highest_frequency=_highest_frequency(snapshots))
-    sigma, vectors = _leading(snapshots, n_vectors)
-    floor = np.sqrt(variance) * np.finfo(float).eps * max(snapshots.shape)
+        return replace(bare, highest_frequency=_highest_frequency(rows, row_mean, variance))
+    found = leading_shapes(rows, row_mean, n_vectors)
+    sigma, vectors = _leading((rows - row_mean[:, None]).T, n_vectors) if found is None else found
+    floor = np.sqrt(variance) * np.finfo(float).eps * max(rows.shape)
     sigma, vectors = _kept(sigma, vectors, floor)
     return LoadBasis(
         model_hash=model_hash,
@@ -77,8 +80,8 @@ def load_basis(
         total_variance=variance,
         mean=mean,
         snapshots=n_snapshots,
-        spectrum=_spectrum(snapshots @ vectors.T),
-        highest_frequency=_highest_frequency(snapshots),
+        spectrum=_spectrum(_amplitudes(rows, row_mean, vectors)),
+        highest_frequency=_highest_frequency(rows, row_mean, variance),
     )
 
 
@@ -196,25 +199,43 @@ def _kept(
     return sigma, np.asarray(vectors * np.sign(largest)[:, None])
 
 
-def _spectrum(amplitude: Float[np.ndarray, "snapshot shape"]) -> Float[np.ndarray, "shape band"]:
+def _variance(rows: Float[np.ndarray, "dof snapshot"], mean: Float[np.ndarray, " dof"]) -> float:
+    """Sum of the squares of all rows, each without its mean."""
+    total = 0.0
+    for i in range(0, len(rows), ROWS):
+        part = rows[i : i + ROWS] - mean[i : i + ROWS, None]
+        total += float(np.einsum("ds,ds->", part, part))
+    return total
+
+
+def _amplitudes(
+    rows: Float[np.ndarray, "dof snapshot"],
+    mean: Float[np.ndarray, " dof"],
+    vectors: Float[np.ndarray, "shape dof"],
+) -> Float[np.ndarray, "shape snapshot"]:
+    """Amplitudes of shapes in the rows without their mean."""
+    return np.asarray(vectors @ rows - (vectors @ mean)[:, None])
+
+
+def _spectrum(amplitude: Float[np.ndarray, "shape snapshot"]) -> Float[np.ndarray, "shape band"]:
     """Variance of each amplitude in :data:`BANDS` equal bands up to half the sampling frequency."""
-    n, n_shapes = amplitude.shape
-    power = np.abs(np.fft.rfft(amplitude, axis=0)) ** 2 / n**2
-    power[1 : (n + 1) // 2] *= 2.0  # all but frequency 0 and the folding frequency stand for two lines
-    band = np.minimum(2 * BANDS * np.arange(len(power)) // n, BANDS - 1)
-    spectrum = np.zeros((BANDS, n_shapes))
-    np.add.at(spectrum, band, power)
-    return np.ascontiguousarray(spectrum.T)
+    n = amplitude.shape[1]
+    power = np.abs(np.fft.rfft(amplitude)) ** 2 / n**2
+    power[:, 1 : (n + 1) // 2] *= 2.0  # all but frequency 0 and the folding frequency stand for two lines
+    band = np.minimum(2 * BANDS * np.arange(power.shape[1]) // n, BANDS - 1)
+    return np.array([np.bincount(band, weights=row, minlength=BANDS) for row in power])
 
 
-def _highest_frequency(snapshots: Float[np.ndarray, "snapshot dof"]) -> float:
+def _highest_frequency(
+    rows: Float[np.ndarray, "dof snapshot"], mean: Float[np.ndarray, " dof"], variance: float
+) -> float:
     """Frequency in cycles per sample below which nearly all variance lies; 0 of loads that do not change.
 
     Sums of all loads with random signs, each load on its own scale in newtons, stand for their spectra.
     """
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(snapshots.shape[1], SUMS))
-    share = np.cumsum(_spectrum(snapshots @ signs).sum(axis=0))
-    if not share[-1] > 0.0:
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(rows), SUMS)).T
+    share = np.cumsum(_spectrum(_amplitudes(rows, mean, signs)).sum(axis=0))
+    if not (variance > 0.0 and share[-1] > 0.0):
         return 0.0
     return (int(np.searchsorted(share, BELOW_HIGHEST * share[-1])) + 1) / (2.0 * BANDS)
 

@@ -16,7 +16,7 @@ from owt_postproc.bag_source import BagSource
 from owt_postproc.core.running import RunningCount
 from owt_postproc.fatigue_check import FatigueCheck
 from owt_postproc.report_data import Geometry, ReportCollector, ReportData
-from owt_ros.decode import is_whole, to_reduced_model
+from owt_ros.decode import is_whole, to_frame, to_reduced_model
 
 __all__ = ["BlockSource", "as_recorded", "bag_case", "bag_report"]
 
@@ -75,6 +75,9 @@ def bag_case(source: BagSource) -> CaseConfig:
         raise InputError(
             "bag", str(source.path), "holds no case", "Record it with the bring-up of this project."
         )
+    fatigue = case.get("fatigue")
+    if isinstance(fatigue, dict) and "hot_spots" not in fatigue:  # of a version that counted it otherwise
+        case = {**case, "fatigue": {**fatigue, "hot_spots": "nominal", "thickness_effect": False}}
     return parse_case(case, source="case.json in the bag")
 
 
@@ -129,6 +132,7 @@ class _Reading:
         kind, content = message.type_name.removeprefix(PREFIX), message.content
         if kind == "ModelDescription":
             self._geometry = _geometry(content)
+            self._fatigue.learn(frame=to_frame(content))
         elif kind == "SeaState":
             self._sea = {name: _plain(value) for name, value in sea_facts(content).items()}
         elif kind == "FatigueState":
@@ -136,10 +140,10 @@ class _Reading:
         elif kind == "ReducedModel" and self._reduced is None:
             self._reduced = to_reduced_model(content)
             self._collector = ReportCollector(self._reduced.tower_top_coordinate)
-            self._fatigue.learn(self._reduced)
+            self._fatigue.learn(reduced=self._reduced)
         if block is not None:
             self._waiting.append(block)
-        if self._reduced is not None:
+        if self._fatigue.is_ready:
             for ready in self._waiting:
                 self._count(ready)
             self._waiting.clear()
@@ -150,7 +154,7 @@ class _Reading:
             self._check.counted(self._fatigue.count(block))
 
     def finish(self, bag: BagSource, versions: Mapping[str, str]) -> ReportData:
-        if self._reduced is None:
+        if self._reduced is None or not self._fatigue.is_ready:
             raise InputError(
                 "bag", str(bag.path), "holds no reduced model", "The recording ended before its first block."
             )

@@ -103,10 +103,7 @@ def _stress(data: ReportData) -> Figure:
         ("von Mises", data.time, 1e-6 * data.stress_von_mises, ORANGE),
         ("normal stress", data.time, 1e-6 * data.stress_normal, BLUE),
     ]
-    caption = (
-        f"Signed normal stress at {data.point_angle_deg:g}° round the section, stress concentration factor "
-        f"{data.fatigue.scf:g} included, and nominal, unsigned von Mises stress."
-    )
+    caption = f"Signed hot-spot stress at {data.spot_name}°, and nominal, unsigned von Mises stress."
     title = f"Stress at the most damaged member end, {data.end_name}"
     return _record("stress", title, "MPa", data, lines, caption)
 

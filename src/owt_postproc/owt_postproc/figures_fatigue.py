@@ -21,7 +21,7 @@ TOWER, TOWER_SHOWN_M = "#b9c2ca", 20.0
 def damage_bars(data: ReportData) -> Figure:
     """The most damaged member ends."""
     fatigue = data.fatigue
-    damage, point = fatigue.damage.max(axis=1), fatigue.worst_point
+    damage, spot = fatigue.end_damage, fatigue.worst_spot
     order = np.argsort(-damage, kind="stable")[:ENDS_SHOWN][::-1]
     trace = {
         "type": "bar",
@@ -29,7 +29,7 @@ def damage_bars(data: ReportData) -> Figure:
         "x": [float(damage[e]) for e in order],
         "y": [data.reduced.end_name[e] for e in order],
         "customdata": [
-            [float(fatigue.cycles[e, point[e]]), 1e-6 * float(fatigue.max_range[e, point[e]])] for e in order
+            [float(fatigue.cycles[spot[e]]), 1e-6 * float(fatigue.max_range[spot[e]])] for e in order
         ],
         "hovertemplate": "damage %{x:.3g}<br>%{customdata[0]:.0f} cycles<br>"
         "largest range %{customdata[1]:.1f} MPa<extra>%{y}</extra>",
@@ -44,15 +44,14 @@ def damage_bars(data: ReportData) -> Figure:
     )
     caption = (
         f"The {len(order)} most damaged of {len(damage)} member ends. S-N curve {fatigue.curve.name}, the "
-        "largest of eight points round the section, residue as half cycles. Nominal stress times one "
-        "concentration factor: a ranking, not a design check."
+        "largest of each end's hot spots, residue as half cycles."
     )
     return Figure("damage", "Fatigue damage by member end", caption, [trace], look, height=440)
 
 
 def exceedance(data: ReportData) -> Figure:
     """Cycles above each stress range at the most damaged point."""
-    counts = data.fatigue.histogram[data.stress_end, data.stress_point]
+    counts = data.fatigue.histogram[data.stress_spot]
     edge = 1e-6 * data.fatigue.range_edge
     above = np.cumsum(counts[::-1])[::-1][1:]
     shown = above > 0
@@ -74,8 +73,7 @@ def exceedance(data: ReportData) -> Figure:
         hovermode="closest",
     )
     caption = (
-        f"Rainflow cycles of the normal stress at {data.end_name}, {data.point_angle_deg:g}° round the "
-        "section, at the edges of 20 bins per decade."
+        f"Rainflow cycles of the hot-spot stress at {data.spot_name}°, at the edges of 20 bins per decade."
     )
     return Figure("exceedance", "Exceedance of stress ranges", caption, [trace], look, height=280)
 
@@ -125,7 +123,7 @@ def jacket(data: ReportData, geometry: Geometry) -> Figure:
 
 def _members(data: ReportData, geometry: Geometry) -> dict[str, Any]:
     """One trace of all members: five points each, the last of them a gap."""
-    damage = data.fatigue.damage.max(axis=1)
+    damage = data.fatigue.end_damage
     top = float(damage.max()) or 1.0
     high = float(np.log10(top))
     colour = np.log10(np.maximum(damage, top * 10.0**-DECADES)).reshape(-1, 2)

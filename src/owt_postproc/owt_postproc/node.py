@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from owt_msgs.msg import MemberStress, ReducedModel
+from owt_msgs.msg import MemberStress, ModelDescription, ReducedModel
 from owt_msgs.srv import FatigueSummary, Flush
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -65,10 +65,12 @@ class PostprocNode(StageNode):
             self._recorder.put(topic, cdr, time_ns=at_ns, last=last)
 
     def _on_latched(self, topic: Topic, cdr: bytes) -> None:
-        if topic is topics.REDUCED_MODEL and not self._count.is_ready:
+        if topic is topics.MODEL and not self._count.is_ready:
+            self._count.learn(frame=decode.to_frame(deserialize_message(cdr, ModelDescription)))
+        elif topic is topics.REDUCED_MODEL and not self._count.is_ready:
             reduced = decode.to_reduced_model(deserialize_message(cdr, ReducedModel))
             self._selection.learn(reduced)
-            self._count.learn(reduced)
+            self._count.learn(reduced=reduced)
         self._record(topic, cdr, 0)
         self.advance()
 

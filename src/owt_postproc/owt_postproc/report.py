@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from owt_model.errors import InputError
-from owt_postproc.core.stage import POINT_ANGLE_DEG
 from owt_postproc.core.statistics import statistics
 from owt_postproc.core.summary import fatigue_summary
 from owt_postproc.figures import all_figures
@@ -214,7 +213,7 @@ def head_figures(data: ReportData) -> list[tuple[str, str]]:
         ("largest stress range", f"{1e-6 * fatigue.max_range.max():.1f} MPa"),
         ("most damaged member end", data.end_name),
         (
-            f"its damage in {fatigue.duration_s:.0f} s, nominal stress, SCF {fatigue.scf:g}",
+            f"its damage in {fatigue.duration_s:.0f} s, at {data.spot_name.split(' ', 1)[1]}°",
             _power(float(fatigue.damage.max())),
         ),
     ]
@@ -271,20 +270,20 @@ def _statistics_table(data: ReportData) -> str:
 
 def _ends_table(data: ReportData) -> str:
     fatigue = data.fatigue
-    damage, point = fatigue.damage.max(axis=1), fatigue.worst_point
+    spots, spot, damage = fatigue.hot_spots, fatigue.worst_spot, fatigue.end_damage
     order = np.argsort(-damage, kind="stable")[:TABLE_ROWS]
     rows = [
         [
             data.reduced.end_name[e],
             _Cell(_power(float(damage[e])), float(damage[e])),
-            float(POINT_ANGLE_DEG[point[e]]),
-            float(fatigue.cycles[e, point[e]]),
-            1e-6 * float(fatigue.max_range[e].max()),
+            f"{spots.side[spot[e]]} {spots.angle_deg[spot[e]]:g}",
+            float(fatigue.cycles[spot[e]]),
+            1e-6 * float(fatigue.max_range[spot[e]]),
             1e-6 * float(fatigue.total_stress[e]),
         ]
         for e in order
     ]
-    head = ["member end", "damage", "at angle, °", "cycles", "largest range, MPa", "total stress, MPa"]
+    head = ["member end", "damage", "hot spot, at °", "cycles", "largest range, MPa", "total stress, MPa"]
     note = (
         f'<p class="note">The {len(rows)} most damaged of {len(damage)} member ends; click a heading to '
         "sort. Total stress: sum of range × count of the unsigned von Mises stress, the measure of the "
@@ -306,9 +305,10 @@ def _method(data: ReportData) -> str:
     curve = data.fatigue.curve
     return (
         "Rainflow counting after ASTM E1049-85 with the residue as half cycles, every integration step "
-        "included; Palmgren-Miner sum of the signed normal stress at eight points round each member end. One "
-        "stress concentration factor for all ends, no mean-stress correction and no thickness effect (each "
-        f"wall counts as no thicker than the reference). S-N curve: {curve.edition} {curve.source} Series "
+        "included; Palmgren-Miner sum of the signed stress at eight hot spots on the chord side and on the brace "
+        "side of each brace end, with Efthymiou's stress concentration factors and influence functions, and at "
+        "eight points of the wall of all other ends. Thickness effect included, no mean-stress correction. "
+        f"S-N curve: {curve.edition} {curve.source} Series "
         "are drawn thinned out where the captions say so, and in single precision; the numbers in the tables "
         "come from all samples."
     )

@@ -57,7 +57,7 @@ def case_facts(case: Mapping[str, Any]) -> list[tuple[str, Any]]:
 
 def report_facts(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]]:
     """Titles, keys and values of what the report says in tables of two columns."""
-    curve, reduced = data.fatigue.curve, data.reduced
+    curve, wall, reduced = data.fatigue.curve, data.fatigue.wall_curve, data.reduced
     labels = {
         "hs_m": "significant wave height, m", "tp_s": "peak period, s", "gamma": "peak enhancement",
         "direction_deg": "direction the waves travel to, °", "seed": "seed", "order": "wave order",
@@ -82,10 +82,12 @@ def report_facts(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]
         (
             "Fatigue",
             [
-                ("S-N curve", f"{curve.name} ({curve.description})"),
-                ("stress concentration factor", data.fatigue.scf),
-                ("member ends × points", f"{len(reduced.end_name)} × {data.fatigue.damage.shape[1]}"),
-                ("samples per point", data.fatigue.samples),
+                ("S-N curve of joints", f"{curve.name} ({curve.description})"),
+                ("S-N curve of walls", f"{wall.name} ({wall.description})"),
+                ("stress concentration factor of walls", data.fatigue.scf),
+                ("member ends, hot spots", f"{len(reduced.end_name)}, {data.fatigue.hot_spots.n_spots}"),
+                ("samples per hot spot", data.fatigue.samples),
+                *(("note", note) for note in data.fatigue.hot_spots.notes),
             ],
         ),
         ("Case, where it is not the default", case_facts(data.case) or [("all defaults", "-")]),

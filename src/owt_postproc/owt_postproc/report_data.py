@@ -21,7 +21,7 @@ from owt_model.contracts import (
 )
 from owt_model.errors import ComputationError
 from owt_model.mesh import Mesh
-from owt_postproc.core.stage import POINT_ANGLE_DEG, FatigueResult
+from owt_postproc.core.stage import FatigueResult
 
 __all__ = ["Geometry", "ReportCollector", "ReportData", "mesh_geometry"]
 
@@ -72,10 +72,10 @@ class ReportData:
         Of the response, in s.
     tower_top : float array [sample, 3], optional
         Displacement of the tower top in m.
-    stress_end, stress_point : int
-        Member end of largest damage, and the point of largest damage round it.
+    stress_end, stress_spot : int
+        Member end of largest damage, and its hot spot of largest damage.
     stress_normal, stress_von_mises : float arrays [sample]
-        There, in Pa; normal stress signed, SCF included; von Mises nominal.
+        There, in Pa; hot-spot stress signed; von Mises nominal.
     potential, kinetic : float arrays [sample]
         Energies in J.
     potential_substructure, kinetic_substructure : float arrays [sample, part]
@@ -99,7 +99,7 @@ class ReportData:
     time: Float[np.ndarray, " sample"]
     tower_top: Float[np.ndarray, "sample 3"] | None
     stress_end: int
-    stress_point: int
+    stress_spot: int
     stress_normal: Float[np.ndarray, " sample"]
     stress_von_mises: Float[np.ndarray, " sample"]
     potential: Float[np.ndarray, " sample"]
@@ -116,9 +116,9 @@ class ReportData:
         return self.reduced.end_name[self.stress_end]
 
     @property
-    def point_angle_deg(self) -> float:
-        """Angle of the point shown, from element axis y towards z."""
-        return float(POINT_ANGLE_DEG[self.stress_point])
+    def spot_name(self) -> str:
+        """Name of the hot spot whose stress is shown."""
+        return self.fatigue.hot_spots.name[self.stress_spot]
 
 
 @dataclass
@@ -186,21 +186,18 @@ class ReportCollector:
             If a stream has not delivered anything.
         """
         end = fatigue.worst_end
-        point = int(fatigue.worst_point[end])
-        angle = np.deg2rad(POINT_ANGLE_DEG[point])
+        spots, spot = fatigue.hot_spots, int(fatigue.worst_spot[end])
         first, total = self._series("elevation", 2)
         (force,) = self._series("load", 1)
         (top,) = self._series("modal", 1)
         potential, kinetic, *parts = self._series("energy", 4)
         blocks = self._parts("stress")
-        axial, bending_y, bending_z, von_mises = (
-            np.concatenate([parts[i][:, end] for parts in blocks]) for i in range(4)
-        )
+        normal = np.concatenate([spots.stress(spot, *parts[:3]) for parts in blocks])
+        von_mises = np.concatenate([parts[3][:, end] for parts in blocks])
         # A recording that broke off holds streams of unequal length: what all of them have is shown.
         wrench = self._series("wrench", 1)[0] if "wrench" in self._blocks else None
         waves = slice(min(len(total), len(force), len(force if wrench is None else wrench)))
-        response = slice(min(len(axial), len(potential), len(axial if top is None else top)))
-        normal = axial + bending_y * np.sin(angle) + bending_z * np.cos(angle)
+        response = slice(min(len(normal), len(potential), len(normal if top is None else top)))
         return ReportData(
             case=case,
             sea_state=sea_state or {},
@@ -215,8 +212,8 @@ class ReportCollector:
             time=np.arange(response.stop) * self._dt["stress"],
             tower_top=None if top is None else top[response],
             stress_end=end,
-            stress_point=point,
-            stress_normal=fatigue.scf * normal[response],
+            stress_spot=spot,
+            stress_normal=normal[response],
             stress_von_mises=von_mises[response],
             potential=potential[response],
             kinetic=kinetic[response],

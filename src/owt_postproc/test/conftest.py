@@ -173,14 +173,15 @@ def flat(value, dtype=np.float64):
 
 
 def latched_messages(run: InventedRun, store) -> dict[str, bytes]:
-    mesh, reduced, none = run.mesh, run.reduced, np.zeros(0)
+    mesh, reduced = run.mesh, run.reduced
     owner = np.where(mesh.element_member < 0, 2**32 - 1, mesh.element_member)
     values = {
         "/owt/model": {
             "model_name": "oc4", "model_hash": "h", "node_name": list(mesh.node_name),
             "node_position_m": flat(mesh.node_position), "node_dof": flat(mesh.node_dof, np.int32),
             "member_name": list(mesh.member_name), "member_node": flat(mesh.member_node, np.uint32),
-            "member_diameter_m": none, "member_thickness_m": none,
+            "member_diameter_m": mesh.element_diameter[mesh.member_element[:, 0]],
+            "member_thickness_m": mesh.element_thickness[mesh.member_element[:, 0]],
             "element_member": flat(owner, np.uint32), "element_node": flat(mesh.element_node, np.uint32),
         },
         "/owt/sea_state": run.sea,

@@ -12,7 +12,9 @@ import pytest
 from owt_model.config import parse_case
 from owt_model.contracts import StressBlock
 from owt_model.errors import ComputationError, InputError
+from owt_model.frame import frame_of_mesh
 from owt_postproc.bag_report import bag_report
+from owt_postproc.core.hot_spots import build_hot_spots
 from owt_postproc.core.rainflow import rainflow
 from owt_postproc.core.stage import build_fatigue_model, final, initial_state, step
 from owt_postproc.core.summary import fatigue_summary
@@ -38,7 +40,7 @@ FIGURES = [
 @pytest.fixture(scope="module")
 def data(run):
     """Report data as a run in process collects it."""
-    model = build_fatigue_model(run.case, len(run.reduced.end_name))
+    model = build_fatigue_model(run.case, build_hot_spots(frame_of_mesh(run.mesh), run.case.fatigue))
     state, collector = initial_state(model), ReportCollector(run.reduced.tower_top_coordinate)
     for block in run.blocks:
         collector.add(block)
@@ -133,10 +135,11 @@ def test_same_from_bag_and_from_blocks(bag, data):
 
 def test_stress_shown_is_the_one_counted(data):
     ranges, _, counts = rainflow(data.stress_normal)
-    end, point = data.stress_end, data.stress_point
-    assert data.fatigue.max_range[end, point] == pytest.approx(ranges.max(), rel=1e-9)
-    assert data.fatigue.cycles[end, point] == counts.sum()
-    assert data.fatigue.damage[end, point] == data.fatigue.damage.max()
+    spot = data.stress_spot
+    assert data.fatigue.max_range[spot] == pytest.approx(ranges.max(), rel=1e-9)
+    assert data.fatigue.cycles[spot] == counts.sum()
+    assert data.fatigue.damage[spot] == data.fatigue.damage.max()
+    assert data.fatigue.hot_spots.end[spot] == data.stress_end
 
 
 def test_summary_is_finite_json(data):
@@ -151,7 +154,7 @@ def test_summary_is_finite_json(data):
 def test_fatigue_so_far_is_that_of_the_summary(run, data):
     """What a service answers at the end is what the summary says; earlier, less has been counted."""
     assert {**fatigue_summary(data.fatigue, run.reduced, complete=True)} == summary(data)["fatigue"]
-    model = build_fatigue_model(run.case, len(run.reduced.end_name))
+    model = build_fatigue_model(run.case, build_hot_spots(frame_of_mesh(run.mesh), run.case.fatigue))
     state, _ = step(model, initial_state(model), run.of(StressBlock)[0])
     early = fatigue_summary(final(model, state), run.reduced, complete=False)
     json.dumps(early, allow_nan=False)

@@ -72,6 +72,8 @@ def model_message(mesh: Mesh) -> owt.ModelDescription:
         member_node=uint32s(mesh.member_node),
         member_diameter_m=doubles(mesh.element_diameter[first]),
         member_thickness_m=doubles(mesh.element_thickness[first]),
+        end_diameter_m=doubles(mesh.element_diameter[mesh.end_element]),
+        end_thickness_m=doubles(mesh.element_thickness[mesh.end_element]),
         element_member=uint32s(owner),
         element_node=uint32s(mesh.element_node),
     )
@@ -227,4 +229,6 @@ def fatigue_message(block: FatigueBlock) -> owt.FatigueState:
         damage=doubles(block.damage),
         total_stress_pa=doubles(block.total_stress),
         max_range_pa=doubles(block.max_range),
+        side=flat_array("B", np.uint8, block.side),
+        angle_deg=doubles(block.angle_deg),
     )

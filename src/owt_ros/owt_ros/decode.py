@@ -26,8 +26,10 @@ from owt_model.contracts import (
     StressBlock,
     WrenchBlock,
 )
+from owt_model.errors import StreamError
+from owt_model.frame import Frame, tied_nodes
 from owt_model.timing import sample_index
-from owt_ros.wire import head_of, indices, read_doubles, read_flags, time_ns
+from owt_ros.wire import head_of, indices, read_doubles, read_flags, read_integers, time_ns
 
 __all__ = [
     "BLOCKS",
@@ -36,6 +38,7 @@ __all__ = [
     "to_elevation",
     "to_energy",
     "to_fatigue",
+    "to_frame",
     "to_load_basis",
     "to_measured",
     "to_modal",
@@ -232,6 +235,31 @@ def to_fatigue(message: Any, *, dt: float) -> FatigueBlock:
         damage=read_doubles(message, "damage", n),
         total_stress=read_doubles(message, "total_stress_pa", n),
         max_range=read_doubles(message, "max_range_pa", n),
+        side=np.asarray(getattr(message, "side", ()), dtype=np.int64),  # an older recording has neither
+        angle_deg=np.asarray(getattr(message, "angle_deg", ()), dtype=np.float64),
+    )
+
+
+def to_frame(message: Any) -> Frame:
+    """Read lines and walls of the members from a ModelDescription."""
+    nodes, members = len(message.node_name), len(message.member_name)
+    node = read_integers(message, "member_node", members, 2)
+    if node.size and node.max() >= nodes:
+        raise StreamError(f"ModelDescription: member_node names node {node.max()} of {nodes}")
+
+    def of_ends(kind: str) -> Float[np.ndarray, " end"]:
+        if len(getattr(message, f"end_{kind}_m", ())):
+            return read_doubles(message, f"end_{kind}_m", 2 * members)
+        return np.repeat(read_doubles(message, f"member_{kind}_m", members), 2)  # of an older recording
+
+    return Frame(
+        node_name=tuple(message.node_name),
+        node_position=read_doubles(message, "node_position_m", nodes, 3),
+        node_tied=tied_nodes(read_integers(message, "node_dof", nodes, 6)),
+        member_name=tuple(message.member_name),
+        member_node=node,
+        end_diameter=of_ends("diameter"),
+        end_thickness=of_ends("thickness"),
     )
 
 

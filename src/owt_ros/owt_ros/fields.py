@@ -33,7 +33,8 @@ class Leaf:
     Attributes
     ----------
     kind : str
-        ``bool``, ``int``, ``float``, ``str``, ``floats`` or, where a number or a list will do, ``any``.
+        ``bool``, ``int``, ``float``, ``str``, ``floats``, ``json`` for a table by name, as text, or, where a
+        number or a list will do, ``any``.
     width : int
         Numbers per row of a list of points; 0 otherwise.
     minimum, maximum : float, int or None
@@ -77,6 +78,8 @@ def _kind(members: tuple[Any, ...]) -> tuple[str, int, tuple[Any, ...]]:
         return type(choices[0]).__name__, 0, choices
     if get_origin(member) is tuple:
         return "floats", _row_width(member), ()
+    if get_origin(member) is dict:
+        return "json", 0, ()
     return {bool: "bool", int: "int", float: "float", str: "str"}[member], 0, ()
 
 
@@ -121,7 +124,9 @@ def leaves(model: type[BaseModel], prefix: str = "", *, optional: bool = False) 
 
 
 def _flat(value: Any) -> Any:
-    """Return `value` as a parameter: lists of points become one list of numbers."""
+    """Return `value` as a parameter: lists of points become one list of numbers, tables JSON text."""
+    if isinstance(value, dict):
+        return json.dumps({key: entry.model_dump(exclude_defaults=True) for key, entry in value.items()})
     if isinstance(value, (tuple, list)):
         rows = (entry if isinstance(entry, (tuple, list)) else (entry,) for entry in value)
         return [float(number) for row in rows for number in row]
@@ -130,6 +135,13 @@ def _flat(value: Any) -> Any:
 
 def _unflat(leaf: Leaf, value: Any) -> Any:
     """Return parameter `value` as what the model expects."""
+    if leaf.kind == "json" and isinstance(value, str):
+        try:
+            return json.loads(value)
+        except ValueError:
+            raise InputError(
+                leaf.name, value, "must be a JSON object", f"It is the {leaf.description}."
+            ) from None
     if isinstance(value, (str, bytes, bool)) or value is None:
         return value
     if leaf.kind in ("float", "any") and isinstance(value, int):

@@ -165,6 +165,15 @@ def read_flags(message: Any, name: str, size: int) -> np.ndarray:
     return flags if flags.size else np.zeros(size, dtype=bool)
 
 
+def read_integers(message: Any, name: str, *shape: int) -> np.ndarray:
+    """Return an integer field as an index array of `shape`."""
+    values = indices(getattr(message, name))
+    if values.size != int(np.prod(shape, dtype=np.int64)):
+        wanted = ", ".join(map(str, shape))
+        raise StreamError(f"{_place(message)}: {name} has {values.size} values, not those of [{wanted}]")
+    return values.reshape(shape)
+
+
 def _place(message: Any) -> str:
     sequence = getattr(message, "sequence", None)
     return _kind(message) if sequence is None else f"{_kind(message)} {int(sequence)}"

@@ -21,6 +21,7 @@ CASES: list[dict[str, Any]] = [
         "points_m": [[0, 0, -1], [1, 2, -3]],
         "gauges_m": [[0, 0], [5, 5]],
     },
+    {"fatigue": {"sn_curve": "own", "sn_file": "curves of my own.yaml"}},
 ]  # fmt: skip
 
 

@@ -28,7 +28,12 @@ def jacket(panel: Axes, mesh: Mesh, marked: Mapping[str, int]) -> None:
 
 
 def levels(
-    panel: Axes, members: Members, value: Float[np.ndarray, " member"], colour: str, label: str = "", marker: str = "o"
+    panel: Axes,
+    members: Members,
+    value: Float[np.ndarray, " member"],
+    colour: str,
+    label: str = "",
+    marker: str = "o",
 ) -> None:
     """One point per member over the level of its middle; legs filled, braces open."""
     for which, face in ((members.leg | members.pile, colour), (~(members.leg | members.pile), "none")):

@@ -36,7 +36,7 @@ BLUE, ORANGE, GREEN, TEAL, PURPLE = "#1f5f99", "#c8602b", "#3a7d44", "#2a8c82", 
 #: Colours of series, in order.
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, TEAL, FAINT)
 #: Dots per inch, and colours kept in a file: lines need few.
-DPI, SHADES = 110, 64
+DPI, SHADES = 110, 255
 _STYLE = {
     "font.size": 9,
     "axes.titlesize": 10,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,6 @@ from owt_campaign.engine import evaluate_case, prepare_model
 from owt_campaign.standard_load import standard_load_basis
 from owt_campaign.studies.cases import MODEL
 from owt_campaign.studies.reduction_runs import (
-    CLUSTERED,
     CLUSTERS,
     SPECIFIC,
     SeaErrors,
@@ -21,13 +20,13 @@ from owt_campaign.studies.reduction_runs import (
     table_errors,
 )
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, cell_case, few_cells, load_case_table
+from owt_campaign.studies.sea_table import Cell, cell_case, few_cells, load_case_table, published_cells
 from owt_campaign.studies.store import Store
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
 from owt_structure_node.core.response import build_modal_model
 
-__all__ = ["COUNT", "LIMIT", "ReductionStudy", "reduction_study"]
+__all__ = ["COUNT", "LIMIT", "ReductionStudy", "further_seeds", "reduction_study"]
 
 #: Error of a frequency beyond which the thesis calls a model no longer accurate.
 LIMIT = 0.01
@@ -88,23 +87,25 @@ class ReductionStudy:
 def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
     """Run the study."""
     cells = list(load_case_table()) if full else few_cells()
-    others = {2: cells[::6], 3: cells[3::6]} if full else {2: cells[:1], 3: cells[-1:]}
-    errors = table_errors(
-        cells, others, samples=6000 if full else 1200, store=Store(), progress=progress
-    )
+    others = further_seeds(cells, full=full)
+    errors = table_errors(cells, others, samples=6000 if full else 1200, store=Store(), progress=progress)
     models = {"spec": 3 * len(cells)}
     models |= {c: len({cluster_of(cell, c) for cell in cells}) for c in CLUSTERS}
     seconds, size = _times(cells[-1], 6000 if full else 600)
     return ReductionStudy(errors, _frequencies(), seconds, size, models)
 
 
+def further_seeds(cells: Sequence[Cell], *, full: bool) -> dict[int, Sequence[Cell]]:
+    """Sea states of further seeds, which the clusters have not seen."""
+    known = published_cells()
+    return {2: known, 3: known} if full else {2: cells[:1], 3: cells[-1:]}
+
+
 def _frequencies() -> dict[str, Float[np.ndarray, " mode"]]:
     """Frequencies of the turbine; load vectors as in table B.1."""
     structure = load_structure(MODEL)
     mesh, basis = build_mesh(structure), standard_load_basis(structure, 20)
-    return {
-        name: build_modal_model(mesh, name, basis).frequency_hz[:COUNT] for name in ("full", *SPECIFIC)
-    }
+    return {name: build_modal_model(mesh, name, basis).frequency_hz[:COUNT] for name in ("full", *SPECIFIC)}
 
 
 def _times(cell: Cell, samples: int) -> tuple[dict[str, float], dict[str, int]]:
@@ -122,9 +123,9 @@ def _times(cell: Cell, samples: int) -> tuple[dict[str, float], dict[str, int]]:
     return seconds, size
 
 
-def ordered(study: ReductionStudy, model: str, measure: Callable[..., float] = np.median) -> list[tuple[str, float]]:
+def ordered(
+    study: ReductionStudy, model: str, measure: Callable[..., float] = np.median
+) -> list[tuple[str, float]]:
     """Errors of the strategies of a model, each by its `measure` over all runs, in the order of the print."""
     names = [model, *(f"{model} {clustering}" for clustering in CLUSTERS)]
     return [(name, float(measure(study.values(name)))) for name in names]
-
-

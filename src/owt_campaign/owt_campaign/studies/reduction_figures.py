@@ -25,7 +25,9 @@ def frequency_figure(study: ReductionStudy) -> Figure:
     for colour, name in zip(COLOURS, SPECIFIC, strict=False):
         own = study.frequency[name][: len(full)]
         error = np.abs(own / full[: len(own)] - 1.0)
-        panel.semilogy(full[: len(own)], np.maximum(error, 1e-7), color=colour, marker="o", ms=2.5, lw=1.0, label=name)
+        panel.semilogy(
+            full[: len(own)], np.maximum(error, 1e-7), color=colour, marker="o", ms=2.5, lw=1.0, label=name
+        )
     panel.axhline(LIMIT, color=INK, lw=0.8, ls=":")
     panel.set(xlabel="frequency of the unreduced turbine [Hz]", ylabel="relative error", xlim=(0.0, 9.0))
     panel.legend()
@@ -49,8 +51,10 @@ def _errors(study: ReductionStudy, names: list[str], words: str, limit: float | 
     for panel, (of, title) in zip(panels[0], TITLES.items(), strict=True):
         for i, name in enumerate(names):
             values = study.values(name, of, (1,))
-            look = {"marker": "o" if i < 4 else "x", "ms": 2.2, "mew": 0.7, "ls": ""}
-            panel.semilogy(np.arange(1, len(values) + 1), 100.0 * values, color=colours[i], label=name, **look)
+            look = {"marker": "o" if i < 4 else "x", "ms": 3.0, "mew": 0.9, "ls": ""}
+            panel.semilogy(
+                np.arange(1, len(values) + 1), 100.0 * values, color=colours[i], label=name, **look
+            )
         if limit is not None:
             panel.axhline(100.0 * limit, color=INK, lw=0.8, ls=":")
         panel.set(title=title, xlabel=words)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from functools import partial
 from typing import Any
 
@@ -17,12 +18,13 @@ __all__ = ["NAME", "result", "run"]
 NAME = "reduction"
 _TITLE = "Reduced models: thesis chapter 6.2, figures 6.1 to 6.3, tables 6.1 and 6.2"
 _HEAD = """\
-Relative errors of mean and standard deviation of the potential energy against the unreduced model `oc4-thesis`,
-mode by mode, in sea states of the load-case table: second-order waves (Taylor expansion, cut-off 4 omega_p), 600 s,
-loads every 0.1 s, exact integration of loads linear in between, the same for all models. Load vectors: proper
-orthogonal decomposition of each sea state's own loads (*spec*), or of those of a direction (*dir*), of a 1 m bin of
-Hs (*hs*) or of the whole table (*tot*), each sea state's loads divided by their Frobenius norm first. Clusters are
-made of the records of seed 1; they have not seen the other seeds."""
+Relative errors of mean and standard deviation of the potential energy against the unreduced model
+`oc4-thesis`, mode by mode, in sea states of the load-case table: second-order waves (Taylor expansion,
+cut-off 4 omega_p), 600 s, loads every 0.1 s, exact integration of loads linear in between, the same for
+all models. Load vectors: proper orthogonal decomposition of each sea state's own loads (*spec*), or of
+those of a direction (*dir*), of a 1 m bin of Hs (*hs*) or of the whole table (*tot*), each sea state's
+loads divided by their Frobenius norm first. Clusters are made of the records of seed 1; they have not
+seen the other seeds."""
 #: What the thesis says of figure 6.1: frequencies in Hz up to which the models are accurate.
 PRINTED_REACH = {"CB00": 2.5, "M20": 2.5, "CB10M10": 6.0, "CB20": 8.0}
 
@@ -63,7 +65,15 @@ def _reach_rows(study: ReductionStudy) -> list[Row]:
         ours = study.reach_hz(name)
         verdict: Outcome = "reproduced" if abs(ours - printed) < 0.25 * printed else "partly"
         rows.append(
-            Row(f"frequencies of {name} within 1 % up to", "6.2.1, figure 6.1", printed, ours, "Hz", None, verdict)
+            Row(
+                f"frequencies of {name} within 1 % up to",
+                "6.2.1, figure 6.1",
+                printed,
+                ours,
+                "Hz",
+                None,
+                verdict,
+            )
         )
     return rows
 
@@ -72,7 +82,9 @@ def _largest(study: ReductionStudy, names: list[str], seeds: tuple[int, ...] | N
     return 100.0 * max(float(study.values(name, of, seeds).max()) for name in names for of in ("mean", "std"))
 
 
-def _error_row(study: ReductionStudy, what: str, where: str, printed: Any, names: list[str], limit: float) -> Row:
+def _error_row(
+    study: ReductionStudy, what: str, where: str, printed: Any, names: list[str], limit: float
+) -> Row:
     ours = _largest(study, names)
     spread = study.spread(lambda seeds: _largest(study, names, seeds))
     return Row(what, where, printed, ours, "%", spread, "reproduced" if ours <= limit else "partly")
@@ -85,7 +97,9 @@ def _error_rows(study: ReductionStudy) -> list[Row]:
         for name in CLUSTERED
     ]
     rows.append(
-        _error_row(study, "largest error of all clustered models", "6.2.2, figure 6.3", "below 1", clustered, 1.0)
+        _error_row(
+            study, "largest error of all clustered models", "6.2.2, figure 6.3", "below 1", clustered, 1.0
+        )
     )
     for name in ("CB00", "CB20"):
         ours = _largest(study, [name])
@@ -103,11 +117,12 @@ def _order_rows(study: ReductionStudy) -> list[Row]:
     for name in CLUSTERED:
         found = ordered(study, name)
         values = [value for _, value in found]
-        holds = all(a < b for a, b in zip(values, values[1:], strict=False))
+        holds = all(a < b for a, b in itertools.pairwise(values))
         words = " < ".join(f"{'spec' if n == name else n.removeprefix(name + ' ')} {100 * v:.3g} %"
                            for n, v in sorted(found, key=lambda pair: pair[1]))  # fmt: skip
         rows.append(
-            Row(f"strategies of {name}, median error of the mean", "6.2.2, figure 6.3", "spec < dir < hs < tot",
+            Row(f"strategies of {name}, median error of the mean", "6.2.2, figure 6.3",
+            "spec < dir < hs < tot",
                 words, verdict="reproduced" if holds else "partly")
         )  # fmt: skip
     better = [
@@ -152,7 +167,8 @@ def _all_errors(study: ReductionStudy) -> dict[str, Any]:
     for seed, cells in study.errors.items():
         found[f"seed {seed}"] = {
             name: {
-                of: [float(f"{100 * v:.3g}") for v in study.values(name, of, (seed,))] for of in ("mean", "std")
+                of: [float(f"{100 * v:.3g}") for v in study.values(name, of, (seed,))]
+                for of in ("mean", "std")
             }
             for name in _names()
         }
@@ -181,7 +197,8 @@ def _sections(study: ReductionStudy, rows: list[Row]) -> list[str]:
         _HEAD,
         f"Runs: {runs}.",
         "## Print and this code\n\n" + rows_table(rows),
-        "## Frequencies\n\nBy rank, as in figure 6.1; load vectors as in table B.1 (Hs 8.25 m, Tp 11.5 s). Which "
+        "## Frequencies\n\nBy rank, as in figure 6.1; load vectors as in table B.1 (Hs 8.25 m, Tp 11.5 s). "
+        "Which "
         "modes are kept, by shape, is in the study of the [eigenfrequencies](eigen.md).\n\n"
         f"![errors of the frequencies]({NAME}-frequencies.png)",
         "## Energy\n\nRelative errors of the potential energy in percent, median / largest of the runs.\n\n"
@@ -189,7 +206,8 @@ def _sections(study: ReductionStudy, rows: list[Row]) -> list[str]:
         f"![errors of the models]({NAME}-models.png)",
         f"![errors of clustered models]({NAME}-clusters.png)",
         f"## Time\n\nCPU time of response and member-end stress of 600 s at 0.02 s: unreduced "
-        f"{study.seconds['full']:.1f} s, CB10M10 {study.seconds['CB10M10']:.2f} s (table 6.1: 250 and 30 minutes, "
+        f"{study.seconds['full']:.1f} s, CB10M10 {study.seconds['CB10M10']:.2f} s (table 6.1: 250 and 30 "
+        "minutes, "
         "with another program).",
     ]
 
@@ -201,7 +219,8 @@ def _verdict(study: ReductionStudy, rows: list[Row]) -> Verdict:
     )
     plain = _largest(study, [f"{name} {PLAIN}" for name in CLUSTERED])
     why = (
-        f"Largest error of the models with load vectors of their own sea {own:.2g} % (print 0.08 %), of the clustered "
+        f"Largest error of the models with load vectors of their own sea {own:.2g} % (print 0.08 %), of "
+        "the clustered "
         f"ones {clustered:.2g} % (print: below 1 %), which needs the loads of each sea state normalised "
         f"({plain:.2g} % without)."
     )

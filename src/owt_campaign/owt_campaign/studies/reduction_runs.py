@@ -93,7 +93,11 @@ class _Runs:
 
     def key(self, what: str, cell: Cell, seed: int) -> list[object]:
         case = cell_case(cell, seed=seed, samples=self.samples)
-        return [what, self.mesh.structure.content_hash, case.model_dump(mode="json")]
+        return [
+            what,
+            self.mesh.structure.content_hash,
+            case.model_dump(mode="json", exclude={"fatigue", "stream"}),
+        ]
 
     def loads(self, cell: Cell, seed: int) -> Float[np.ndarray, "time load"]:
         """Nodal loads of a sea state, all components of a sample in a row."""
@@ -135,12 +139,14 @@ class _Runs:
         return clustered_basis(parts, self.node, SHARED, model_hash=self.mesh.structure.content_hash)
 
     def cluster_models(self, first: Sequence[Moments]) -> dict[str, dict[str, EnergyModel]]:
-        """Models of every cluster, by its name and theirs; `first` are the cells' results of the first seed."""
+        """Models of every cluster, by its name and theirs; `first` are the results of the first seed."""
         found = {}
         for clustering in CLUSTERS:
             label = [cluster_of(cell, clustering) for cell in self.cells]
             for name in dict.fromkeys(label):
-                basis = self.cluster_basis([kept for kept, own in zip(first, label, strict=True) if own == name])
+                basis = self.cluster_basis(
+                    [kept for kept, own in zip(first, label, strict=True) if own == name]
+                )
                 found[name] = self.served(clustering, basis)
         found[PLAIN] = self.served(PLAIN, self.cluster_basis(first, normalised=False))
         return found
@@ -164,7 +170,12 @@ class _Runs:
 
 
 def table_errors(
-    cells: Sequence[Cell], others: dict[int, Sequence[Cell]], *, samples: int, store: Store, progress: Progress
+    cells: Sequence[Cell],
+    others: dict[int, Sequence[Cell]],
+    *,
+    samples: int,
+    store: Store,
+    progress: Progress,
 ) -> dict[int, dict[Cell, SeaErrors]]:
     """Errors of all models in sea states of the load-case table, by seed.
 

@@ -47,7 +47,7 @@ _ALL = (
     ),
     Study("sensitivity", "damping and frequency model: figures 5.5 to 5.7", "sensitivity_page"),
     Study("reduction", "reduced models: figures 6.1 to 6.3, tables 6.1 and 6.2", "reduction_page"),
-    Study("modal-contribution", "energy per mode: figures 6.4 and 6.5", "modal_contribution"),
+    Study("modal-contribution", "energy per mode: figures 6.4 and 6.5", "modal_contribution_page"),
     Study("wind", "wave and wind loads on reduced models: figures 6.6 and 6.7", "wind"),
     Study("load-vectors", "vectors that steep waves of 2.5 to 17 m need: chapter 7.3.2", "load_vectors"),
     Study("beyond", "damage, error estimate, sampling, seeds, load factors: chapter 7.3", "beyond_page"),

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from owt_campaign.load_cases import german_bight, towards_deg
+from owt_campaign.occurrence import table_occurrence
 from owt_campaign.studies.cases import study_case
 from owt_model.config import CaseConfig
 
-__all__ = ["WEIGHTS", "Cell", "cell_case", "few_cells", "load_case_table", "occurrence"]
+__all__ = ["WEIGHTS", "Cell", "cell_case", "few_cells", "load_case_table", "occurrence", "published_cells"]
 
-#: Occurrences per 1 m of Hs of direction 330 deg, the only ones published (thesis table 4.4).
+#: Direction of the only published scatter diagram (thesis table 4.4).
 PUBLISHED_DEG = 330.0
-PUBLISHED = (8226, 14005, 5918, 2141, 918, 399, 107, 19, 11, 5, 0)
-#: Ways to weigh the cells: by the assumed wave rose, by what is published, or each the same.
+#: Ways to weigh the cells: the assumed wave rose, what is published (direction 330 deg), each the same.
 WEIGHTS = ("assumed", "published", "alike")
 
 
@@ -35,20 +34,29 @@ class Cell:
     @property
     def to_deg(self) -> float:
         """Direction the waves travel to, from +x (north) towards +y (west)."""
-        return (180.0 - self.from_deg) % 360.0
+        return towards_deg(self.from_deg)
 
 
 @cache
 def load_case_table() -> tuple[Cell, ...]:
     """The 169 sea states, by rising wave height."""
-    text = (resources.files("owt_campaign") / "data" / "load_cases.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
-    return tuple(Cell(float(r["hs_m"]), float(r["direction_deg"]), float(r["tp_s"])) for r in rows)
+    return tuple(Cell(row.hs_m, row.direction_deg, row.tp_s) for row in german_bight().rows)
+
+
+@cache
+def _probability() -> dict[Cell, float]:
+    """Probability of each sea state of the table by the assumed wave rose."""
+    return dict(zip(load_case_table(), table_occurrence(german_bight()).probability.tolist(), strict=True))
+
+
+def published_cells() -> list[Cell]:
+    """The sea states of direction 330 deg, whose occurrences are published."""
+    return [cell for cell in load_case_table() if cell.from_deg == PUBLISHED_DEG]
 
 
 def few_cells() -> list[Cell]:
-    """What reduced versions of the studies run: four heights of direction 330 deg, and one from 240 deg."""
-    chosen = {(1.25, 330.0), (3.25, 330.0), (5.25, 330.0), (8.25, 330.0), (5.25, 240.0)}
+    """What reduced versions of the studies run: two heights of direction 330 deg, and one from 240 deg."""
+    chosen = {(1.25, 330.0), (5.25, 330.0), (5.25, 240.0)}
     return [cell for cell in load_case_table() if (cell.hs_m, cell.from_deg) in chosen]
 
 
@@ -60,7 +68,7 @@ def cell_case(cell: Cell, *, seed: int = 1, samples: int = 6000, **changes: Any)
 
 
 def occurrence(cells: Sequence[Cell], weights: str = "assumed") -> Float[np.ndarray, " cell"]:
-    """Probability of each cell among the given ones.
+    """Probability of each cell among the given ones, which stand for all of their direction.
 
     Parameters
     ----------
@@ -70,10 +78,13 @@ def occurrence(cells: Sequence[Cell], weights: str = "assumed") -> Float[np.ndar
         One of :data:`WEIGHTS`.
     """
     if weights == "alike":
-        share = np.ones(len(cells))
-    else:
-        # Half of a 1 m bin each; the highest bin, empty in direction 330, counts as one occurrence.
-        share = np.array([max(PUBLISHED[int(cell.hs_m)], 1) / 2.0 for cell in cells])
-        if weights == "published":
-            share[[cell.from_deg != PUBLISHED_DEG for cell in cells]] = 0.0
+        return np.full(len(cells), 1.0 / len(cells))
+    known = _probability()
+    share = np.array([known[cell] for cell in cells])
+    origin = np.array([cell.from_deg for cell in cells])
+    for direction in set(origin.tolist()):
+        here, whole = origin == direction, sum(p for c, p in known.items() if c.from_deg == direction)
+        share[here] *= whole / share[here].sum() if share[here].any() else 0.0
+    if weights == "published":
+        share[origin != PUBLISHED_DEG] = 0.0
     return np.asarray(share / share.sum())

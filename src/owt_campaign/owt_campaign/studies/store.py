@@ -59,7 +59,7 @@ class Store:
         self.folder.mkdir(parents=True, exist_ok=True)
         partial = path.with_name(f".{path.name}.{os.getpid()}")
         with partial.open("wb") as stream:
-            np.savez_compressed(stream, **found)
+            np.savez_compressed(stream, **found)  # type: ignore[arg-type]
         partial.replace(path)
         return found
 

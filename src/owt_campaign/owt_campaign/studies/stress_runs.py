@@ -3,7 +3,6 @@
 All runs share load vectors that a sample of the table gives, so that linear and second-order waves, and the
 structures, differ in nothing else; structures share the loads of a sea state. What is kept of a run are sums
 over its record; the sum of range times count of a rainflow count is half the total variation of the signal.
-Damage is counted on the reference structure.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from owt_model.contracts import LoadBasis
 from owt_model.mesh import Mesh
 from owt_postproc.core import stage as fatigue_stage
 from owt_postproc.core.rainflow import rainflow
-from owt_structure_node.core import stage as response_stage
+from owt_structure_node.core.pieces import Pieces
 from owt_wave_node.core.stage import WaveStage
 
 __all__ = ["BIN_PA", "REDUCTION", "STEP_S", "Sea", "StressRecord", "StressRuns", "leg_ends", "thinned"]
@@ -38,7 +37,7 @@ BIN_PA, BINS = 1e4, 200
 #: Diameter in m of the members whose ranges are binned: the legs.
 LEG_DIAMETER = 1.2
 #: Load samples worked on at a time.
-BLOCK = 250
+PIECE = 500
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ class StressRecord:
     energy : float array [5]
         Mean and standard deviation of the potential, of the kinetic energy, and the largest kinetic, in J.
     damage : float array [spot]
-        Palmgren-Miner sum of each place that is counted; empty of structures other than the reference.
+        Palmgren-Miner sum of each hot spot of the reference structure; empty of the others.
     half_cycles : int array [spot, bin]
         Half cycles of each per range bin.
     """
@@ -99,7 +98,7 @@ class StressRuns:
         """Case of a run."""
         case = cell_case(
             sea.cell, seed=sea.seed, samples=self.samples, wave=sea.wave, cutoff=sea.cutoff,
-            structure=structure, reduction=REDUCTION, stream={"block": BLOCK},
+            structure=structure, reduction=REDUCTION,
         )  # fmt: skip
         step = {"dt_s": STEP_S, "integrator": "exact"}
         return case.model_copy(update={"structure": case.structure.model_copy(update=step)})
@@ -127,8 +126,9 @@ class StressRuns:
 
     def key(self, sea: Sea, *more: object) -> list[object]:
         """All that a run depends on."""
+        case = self.case(sea).model_dump(mode="json", exclude={"stream"})
         sample = [[cell.hs_m, cell.from_deg, cell.tp_s] for cell in self._sample]
-        return ["stress", self.case(sea).model_dump(mode="json"), sample, *more]
+        return ["stress", case, sample, *more]
 
     def records(self, sea: Sea, structures: Sequence[str] = ("reference",)) -> dict[str, StressRecord]:
         """Return the runs of a sea on several structures, computed unless they are kept."""
@@ -140,7 +140,8 @@ class StressRuns:
 
     def _computed(self, sea: Sea, structures: Sequence[str]) -> dict[str, np.ndarray]:
         case, first = self.case(sea), self.model("reference")
-        waves, found = WaveStage(case, first.mesh, hydro=first.hydro), {}
+        waves = WaveStage(case, first.mesh, hydro=first.hydro)
+        found: dict[str, np.ndarray] = {}
         for name in structures:
             record = self._record(name, waves)
             found |= {f"{part.name} {name}": getattr(record, part.name) for part in fields(record)}
@@ -148,29 +149,27 @@ class StressRuns:
 
     def _record(self, structure: str, waves: WaveStage) -> StressRecord:
         """Response of a structure to the loads of a sea, and what is kept of it."""
-        shared, counted = self.model(structure), structure == "reference"
-        model, state = shared.response, response_stage.ResponseState()
-        assert model is not None, "the structures share their load vectors"
-        fatigue = fatigue_stage.initial_state(shared.fatigue)
-        stress, potential, kinetic = [], [], []
-        for i in range(waves.n_blocks):
-            load = replace(waves.load_block(i), model_hash=shared.mesh.structure.content_hash)
-            state, out = response_stage.step(model, state, load)
+        shared = self.model(structure)
+        assert shared.response is not None, "the structures share their load vectors"
+        counted, fatigue = structure == "reference", fatigue_stage.initial_state(shared.fatigue)
+        mises, potential, kinetic = [], [], []
+        pieces, state = None, None
+        for load in waves.load_rows(0, PIECE):  # the records are of one window
+            pieces = Pieces(shared.response, load) if pieces is None else pieces
+            state, piece = pieces.step(state, load)
             if counted:
-                fatigue, _ = fatigue_stage.step(shared.fatigue, fatigue, out.stress)
-            stress.append(out.stress.von_mises)
-            potential.append(out.energy.potential)
-            kinetic.append(out.energy.kinetic)
-        mises, p, k = np.concatenate(stress), np.concatenate(potential), np.concatenate(kinetic)
+                fatigue = fatigue_stage.count_rows(shared.fatigue, fatigue, piece.stress)
+            mises.append(piece.stress[3 * len(piece.stress) // 4 :])
+            potential.append(piece.potential)
+            kinetic.append(piece.kinetic)
+        stress, p, k = np.concatenate(mises, axis=1), np.concatenate(potential), np.concatenate(kinetic)
         damage, half_cycles = np.zeros(0), np.zeros((0, 0), dtype=np.int32)
         if counted:
             result = fatigue_stage.final(shared.fatigue, fatigue)
-            damage = result.damage.reshape(-1)
-            histogram = result.histogram.reshape(damage.size, -1)
-            half_cycles = np.rint(2.0 * histogram).astype(np.int32)
+            damage, half_cycles = result.damage, np.rint(2.0 * result.histogram).astype(np.int32)
         return StressRecord(
-            total_stress=0.5 * np.abs(np.diff(mises, axis=0)).sum(axis=0),
-            leg_ranges=np.array([_binned(mises[:, end]) for end in leg_ends(shared.mesh)]),
+            total_stress=0.5 * np.abs(np.diff(stress, axis=1)).sum(axis=1),
+            leg_ranges=np.array([_binned(stress[end]) for end in leg_ends(shared.mesh)]),
             energy=np.array([p.mean(), p.std(), k.mean(), k.std(), k.max()]),
             damage=damage,
             half_cycles=half_cycles,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,16 +13,16 @@ from scipy.signal import welch
 
 from owt_campaign.studies.cases import CUTOFFS, LINEAR, SECOND_ORDER, WAVE_MODELS
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
+from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, published_cells
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import STEP_S, Sea, StressRuns, leg_ends, thinned
 from owt_campaign.studies.wave_totals import Members, TableRuns, run_table
 from owt_wave_node.core.stage import WaveStage
 
-__all__ = ["EnergyPeaks", "WaveComparison", "energy_peaks", "wave_comparison"]
+__all__ = ["EnergyPeaks", "WaveComparison", "energy_peaks", "table_plan", "wave_comparison"]
 
 LINEARS = tuple(name for name in WAVE_MODELS if name != SECOND_ORDER)
-#: Figure 5.3: Hs 1.5 m of direction 330 deg with these Tp in s, and the bands round the eigenfrequencies in Hz.
+#: Figure 5.3: Hs 1.5 m of direction 330 deg with these Tp in s; bands round the eigenfrequencies in Hz.
 SPECTRA_TP = (4.5, 9.1, 14.5)
 BANDS = {"first two modes": (0.34, 0.43), "modes 3 and 4": (0.98, 1.15)}
 #: Half the width in s of the window of figure 5.4, which is not printed.
@@ -112,18 +113,9 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
     some = list(cells) if full else few_cells()
     samples = 6000 if full else 1200
     runs = StressRuns(thinned(some) if full else some[:1], samples=samples, store=Store())
-    structures = ("reference", "damping", "frequency") if full else ("reference",)
-    plan = [(1, wave, some, structures) for wave in (SECOND_ORDER, LINEAR)]
-    plan += [
-        (seed, wave, some if full else some[-2:], ("reference",))
-        for seed in (2, 3)
-        for wave in (SECOND_ORDER, LINEAR)
-    ]
-    others = [name for name in LINEARS if name != LINEAR]
-    plan += [(1, wave, some if full else some[-2:], ("reference",)) for wave in others]
-    table = run_table(runs, plan, progress)["reference"]
+    table = run_table(runs, table_plan(some, full=full), progress)["reference"]
     mesh = runs.mesh
-    peaks, trace = _highest(runs, cells[-1], range(1, 11) if full else range(1, 4), full)
+    peaks, trace = _highest(runs, cells[-1], range(1, 7) if full else range(1, 4), full)
     members = Members.of(mesh)
     focus = _focus_two(members, table)
     spectra = {tp: _spectrum(runs, tp, mesh.end_name[focus]) for tp in SPECTRA_TP}
@@ -137,6 +129,30 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
         seconds={wave: _load_seconds(runs, wave) for wave in WAVE_MODELS},
         mesh=mesh,
     )
+
+
+def table_plan(cells: Sequence[Cell], *, full: bool) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
+    """Runs of chapter 5.
+
+    All sea states with seed 1, those of direction 330 degrees with two more seeds and the other linear
+    models; those and every third one on all structures.
+    """
+    structures, alone = ("reference", "damping", "frequency"), ("reference",)
+    both, others = (SECOND_ORDER, LINEAR), [name for name in LINEARS if name != LINEAR]
+    if not full:
+        few = cells[-2:]
+        parts: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = []
+        parts += [(1, wave, cells, alone) for wave in both]
+        parts += [(seed, wave, few, alone) for seed in (2, 3) for wave in both]
+        return parts + [(1, wave, few, alone) for wave in others]
+    known = published_cells()
+    every = list(dict.fromkeys([*cells[::3], *known]))
+    rest = [cell for cell in cells if cell not in set(every)]
+    plan: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = []
+    plan += [(1, wave, every, structures) for wave in both]
+    plan += [(1, wave, rest, alone) for wave in both]
+    plan += [(seed, wave, known, structures) for seed in (2, 3) for wave in both]
+    return plan + [(1, wave, known, alone) for wave in others]
 
 
 def _highest(

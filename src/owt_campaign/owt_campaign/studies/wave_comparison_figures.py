@@ -32,7 +32,7 @@ def stress_figure(found: WaveComparison, focus: dict[str, int]) -> Figure:
     panels[0, 2].set(xlabel="second order over linear, total stress [%]", ylabel="", title="seed 1")
     panels[0, 2].axvline(0.0, color=INK, lw=0.8)
     panels[0, 2].axvspan(1.0, 6.0, color=FAINT, alpha=0.2, lw=0, label="print: 1 to 6 %")
-    panels[0, 2].legend(loc="lower right")
+    panels[0, 2].legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)
     return figure
 
 

@@ -20,12 +20,12 @@ __all__ = ["NAME", "result", "run"]
 NAME = "wave-comparison"
 _TITLE = "Second order against linear: thesis chapter 5.2, figures 5.1 to 5.4, table 5.1"
 _HEAD = """\
-Total stress of a member: sum of range times count of the von Mises stress (eq. 4.79) at its more stressed end,
-each sea state of the load-case table by its probability. Model `oc4-thesis`, basis CB20M40 whose load vectors all
-runs share, 600 s, loads every 0.1 s and exact integration of loads linear in between. Second order: Taylor
-expansion; linear: constant extrapolation above still water, unless another one is named; cut-off 4 omega_p unless
-another one is named. The thesis prints neither which extrapolation its linear model has, nor the occurrences of
-other directions than 330 degrees."""
+Total stress of a member: sum of range times count of the von Mises stress (eq. 4.79) at its more stressed
+end, each sea state of the load-case table by its probability. Model `oc4-thesis`, basis CB20M40 whose
+load vectors all runs share, 600 s, loads every 0.1 s and exact integration of loads linear in between.
+Second order: Taylor expansion; linear: constant extrapolation above still water, unless another one is
+named; cut-off 4 omega_p unless another one is named. The thesis prints neither which extrapolation its
+linear model has, nor the occurrences of other directions than 330 degrees."""
 
 
 def run(*, full: bool, progress: Progress) -> StudyResult:
@@ -61,7 +61,12 @@ def result(found: WaveComparison, *, full: bool) -> StudyResult:
         verdict=_verdict(found, rows),
         full=full,
         figures=_figures(found, focus, found.leg_end_name[heaviest]),
-        data={"runs": _runs(found), "ratio": _ratios(found), "kinetic_factor": _factors(found)},
+        data={
+            "runs": _runs(found),
+            "ratio": _ratios(found),
+            "kinetic_factor": _factors(found),
+            "cells": _cells(found),
+        },
     )
 
 
@@ -205,14 +210,29 @@ def _runs(found: WaveComparison) -> dict[str, Any]:
 def _ratios(found: WaveComparison) -> dict[str, Any]:
     """Increase in percent of every member, all seeds; and of seed 1 over each linear model."""
     names = [wave for wave in LINEARS if (1, wave) in found.table.records]
-    data = {"member": list(found.members.name), "all seeds": found.table.ratio()}
-    data |= {f"seed 1, {wave}": found.table.ratio(1, wave) for wave in names}
+    ratios = {"all seeds": found.table.ratio()}
+    ratios |= {f"seed 1, {wave}": found.table.ratio(1, wave) for wave in names}
     return {
-        key: value
-        if key == "member"
-        else [None if np.isnan(r) else round(percent(r), 3) for r in value]  # type: ignore[union-attr]
-        for key, value in data.items()
+        "member": list(found.members.name),
+        **{
+            key: [None if np.isnan(r) else round(percent(r), 3) for r in ratio]
+            for key, ratio in ratios.items()
+        },
     }
+
+
+def _cells(found: WaveComparison) -> list[list[float]]:
+    """Hs, direction, Tp, mean total stress of the ends in Pa, linear and second order, seed 1."""
+    one, two = (found.table.records[1, wave] for wave in (LINEAR, SECOND_ORDER))
+    return [
+        [
+            cell.hs_m,
+            cell.from_deg,
+            cell.tp_s,
+            *(float(f"{r[cell].total_stress.mean():.8g}") for r in (one, two)),
+        ]
+        for cell in one
+    ]
 
 
 def _factors(found: WaveComparison) -> dict[str, Any]:
@@ -253,7 +273,14 @@ def _factor_table(found: WaveComparison) -> str:
         values += [[p.whole for p in peaks], [p.largest for p in peaks]]
         cells = [f"{np.mean(v):.2f} ({min(v):.2f} to {max(v):.2f})" for v in values]
         lines.append([wave, cutoff, str(len(peaks)), *cells])
-    head = ["linear model", "cut-off", "seeds", *(f"{2 * half:g} s" for half in WINDOWS), "600 s", "largest values"]
+    head = [
+        "linear model",
+        "cut-off",
+        "seeds",
+        *(f"{2 * half:g} s" for half in WINDOWS),
+        "600 s",
+        "largest values",
+    ]
     return table(head, lines)
 
 
@@ -267,8 +294,10 @@ def _sections(found: WaveComparison, rows: list[Row], full: bool) -> list[str]:
         _HEAD,
         f"Runs: {runs}.",
         "## Print and this code\n\n" + rows_table(rows),
-        "## Which linear model\n\nIncrease in percent of the total stress by the second order, seed 1. Weights: "
-        "*assumed*, the occurrences of direction 330 degrees by wave height for every direction (an assumption); "
+        "## Which linear model\n\nIncrease in percent of the total stress by the second order, seed 1. "
+        "Weights: "
+        "*assumed*, the occurrences of direction 330 degrees by wave height for every direction (an "
+        "assumption); "
         "*published*, direction 330 degrees alone (table 4.4); *alike*, every cell the same.\n\n"
         + _linear_table(found),
         shown("stress", "total stress and its ratio over the members"),
@@ -277,12 +306,16 @@ def _sections(found: WaveComparison, rows: list[Row], full: bool) -> list[str]:
         "## Ranges and spectra\n\n" + shown("ranges", "ranges of the heaviest leg"),
         shown("spectra", "spectra of the stress in focus member 2"),
         "Normal stress by the normal force, linear waves, Hs 1.5 m from 330 degrees, as in appendix D.",
-        "## Kinetic energy of the highest sea state\n\nHs 10.25 m, Tp 11.5 s (from 240 degrees, the only such cell "
-        "of the table): mean kinetic energy of the second order over that of the linear waves, in windows of this "
-        "width round the largest linear energy, over the whole record, and of the largest values; mean and range "
+        "## Kinetic energy of the highest sea state\n\nHs 10.25 m, Tp 11.5 s (from 240 degrees, the only "
+        "such cell "
+        "of the table): mean kinetic energy of the second order over that of the linear waves, in windows "
+        "of this "
+        "width round the largest linear energy, over the whole record, and of the largest values; mean and "
+        "range "
         "over the seeds.\n\n" + _factor_table(found),
         shown("energy", "kinetic energy round its largest value"),
-        f"## Time\n\nCPU time of waves and loads of one sea state of 600 s here: {seconds} (table 5.1: linear 110 s, "
+        f"## Time\n\nCPU time of waves and loads of one sea state of 600 s here: {seconds} (table 5.1: "
+        "linear 110 s, "
         "second order 200 s, in 2014).",
     ]
 
@@ -292,7 +325,8 @@ def _verdict(found: WaveComparison, rows: list[Row]) -> Verdict:
     low, high = _seed_spread(found, lambda values: percent(np.nanmax(values)))
     factor = [peak.factor[10.0] for peak in found.peaks[LINEAR, "4 omega_p"]]
     why = (
-        f"With constant extrapolation of the linear waves the legs rise by {percent(np.nanmedian(ratio[legs])):.1f} % "
+        f"With constant extrapolation of the linear waves the legs rise by "
+        f"{percent(np.nanmedian(ratio[legs])):.1f} % "
         f"in the median and the most raised member, {found.members.kind(int(np.nanargmax(ratio)))}, by "
         f"{percent(np.nanmax(ratio)):.1f} % ({low:.1f} to {high:.1f} over the seeds)."
     )

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.registry import Progress
@@ -67,9 +67,14 @@ class TableRuns:
         return list(self.records[seed, wave])
 
     def total(
-        self, wave: str, seed: int | None = None, *, weights: str = "assumed", part: str = "total_stress",
+        self,
+        wave: str,
+        seed: int | None = None,
+        *,
+        weights: str = "assumed",
+        part: str = "total_stress",
         like: str | None = None,
-    ) -> Float[np.ndarray, "..."]:
+    ) -> Float[np.ndarray, ...]:
         """Sum over the cells, each by its probability.
 
         Parameters
@@ -93,9 +98,7 @@ class TableRuns:
                 if cell in other:
                     values.setdefault(cell, []).append(getattr(record, part))
         share = occurrence(list(values), weights)
-        return np.asarray(
-            sum(p * np.mean(of, axis=0) for p, of in zip(share, values.values(), strict=True))
-        )
+        return np.asarray(sum(p * np.mean(of, axis=0) for p, of in zip(share, values.values(), strict=True)))
 
     def ratio(
         self, seed: int | None = None, linear: str = LINEAR, weights: str = "assumed"

@@ -6,6 +6,9 @@ from typing import Any
 
 from owt_model.config import CaseConfig
 from owt_model.contracts import FatigueBlock, ReducedDescription, StressBlock
+from owt_model.errors import ComputationError
+from owt_model.frame import Frame
+from owt_postproc.core.hot_spots import build_hot_spots
 from owt_postproc.core.sn import sn_curve
 from owt_postproc.core.stage import (
     FatigueModel,
@@ -23,7 +26,7 @@ __all__ = ["RunningCount"]
 
 
 class RunningCount:
-    """Counts the stress of one case; the member ends become known with the reduced model.
+    """Counts the stress of one case; its hot spots become known with the structure and the reduced model.
 
     Parameters
     ----------
@@ -37,16 +40,17 @@ class RunningCount:
     """
 
     def __init__(self, case: CaseConfig) -> None:
-        sn_curve(case.fatigue.sn_curve)
+        sn_curve(case.fatigue.sn_curve, case.fatigue.sn_file)
         warm_up()  # compiled code is loaded before anything waits for it
         self._case = case
+        self._frame: Frame | None = None
         self._reduced: ReducedDescription | None = None
         self._model: FatigueModel | None = None
         self._state: FatigueState | None = None
 
     @property
     def is_ready(self) -> bool:
-        """Whether the member ends are known."""
+        """Whether the hot spots are known."""
         return self._model is not None
 
     @property
@@ -59,10 +63,27 @@ class RunningCount:
         """Stress samples counted."""
         return 0 if self._state is None else self._state.samples
 
-    def learn(self, reduced: ReducedDescription) -> None:
-        """Take the description of the reduced model."""
-        self._reduced = reduced
-        self._model = build_fatigue_model(self._case, n_ends=len(reduced.end_name))
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the results must know of the hot spots."""
+        return () if self._model is None else self._model.hot_spots.notes
+
+    def learn(self, *, frame: Frame | None = None, reduced: ReducedDescription | None = None) -> None:
+        """Take the members of the structure, or the description of the reduced model.
+
+        Raises
+        ------
+        InputError
+            If the case refuses the joints that the structure has.
+        ComputationError
+            If the two belong to different structures.
+        """
+        self._frame, self._reduced = frame or self._frame, reduced or self._reduced
+        if self._frame is None or self._reduced is None or self._model is not None:
+            return
+        if self._frame.end_name != self._reduced.end_name:
+            raise ComputationError("structure and reduced model have different member ends")
+        self._model = build_fatigue_model(self._case, build_hot_spots(self._frame, self._case.fatigue))
         self._state = initial_state(self._model)
 
     def count(self, stress: StressBlock) -> FatigueBlock:

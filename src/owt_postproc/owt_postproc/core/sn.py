@@ -1,103 +1,64 @@
-"""S-N curves of two slopes, and the Palmgren-Miner sum.
-
-log10 N = log10 a - m log10 S, with S the stress range in MPa: slope m_1 up to the knee, m_2 beyond.
-The thickness effect, S (t/t_ref)^k for walls thicker than the reference, is not applied: every wall
-counts as no thicker than the reference thickness of the curve's edition.
-"""
+"""S-N curves by name, and the Palmgren-Miner sum."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from types import MappingProxyType
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import yaml
 from jaxtyping import Float
 
 from owt_model.errors import InputError
+from owt_postproc.core.sn_curve import SNCurve
+from owt_postproc.core.sn_table import parse_sn_tables
 
 __all__ = ["SNCurve", "cycles_to_failure", "miner_damage", "sn_curve", "sn_curves"]
 
-PA_PER_MPA = 1e6
-
-
-@dataclass(frozen=True)
-class SNCurve:
-    """An S-N curve of two slopes; `log10_a` and `knee_cycles` for stress in MPa.
-
-    A curve of one slope has the same slope and intercept twice.
-    """
-
-    name: str
-    m: tuple[float, float]
-    log10_a: tuple[float, float]
-    knee_cycles: float
-    description: str = ""
-    edition: str = ""
-    source: str = ""
-    thickness_exponent: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Refuse a curve that cannot be.
-
-        Raises
-        ------
-        InputError
-            Naming the field.
-        """
-        for field, values in (("m", self.m), ("log10_a", self.log10_a), ("knee_cycles", (self.knee_cycles,))):
-            if not all(np.isfinite(value) and value > 0.0 for value in values):
-                raise InputError(
-                    f"{self.name}.{field}", values, "must be finite and > 0", "Check the S-N table."
-                )
-
-    @property
-    def knee_stress_pa(self) -> float:
-        """Stress range in Pa at the knee, on the first slope."""
-        return float((10.0 ** self.log10_a[0] / self.knee_cycles) ** (1.0 / self.m[0]) * PA_PER_MPA)
-
-    @property
-    def coefficients(self) -> Float[np.ndarray, " coefficient"]:
-        """Knee stress in Pa; 1/a and m above it; 1/a and m below it, for stress in Pa."""
-        inverse = [10.0**-a / PA_PER_MPA**m for a, m in zip(self.log10_a, self.m, strict=True)]
-        return np.array([self.knee_stress_pa, inverse[0], self.m[0], inverse[1], self.m[1]])
-
 
 @cache
-def sn_curves() -> Mapping[str, SNCurve]:
-    """The curves of the package's table by name."""
+def _shipped() -> Mapping[str, SNCurve]:
     text = (resources.files("owt_postproc") / "data" / "sn_curves.yaml").read_text(encoding="utf-8")
-    table: dict[str, Any] = yaml.safe_load(text)
-    return MappingProxyType(
-        {
-            name: SNCurve(
-                name=name,
-                m=(float(entry["m"][0]), float(entry["m"][1])),
-                log10_a=(float(entry["log10_a"][0]), float(entry["log10_a"][1])),
-                knee_cycles=float(entry["knee_cycles"]),
-                description=entry["description"],
-                edition=table["edition"],
-                source=table["source"],
-                thickness_exponent=float(entry["thickness_exponent"]),
-            )
-            for name, entry in table["curves"].items()
-        }
-    )
+    return parse_sn_tables(yaml.safe_load(text), source="sn_curves.yaml")
 
 
-def sn_curve(name: str) -> SNCurve:
-    """The curve called `name`.
+def sn_curves(file: str | None = None) -> Mapping[str, SNCurve]:
+    """Curves by name: those of the package's table, and those of a YAML file of the same format.
 
     Raises
     ------
     InputError
-        If there is none; the message lists the known ones.
+        If the file cannot be read, is not of the format, or has a curve of a name that the package uses.
     """
-    curves = sn_curves()
+    if file is None:
+        return _shipped()
+    try:
+        data = yaml.safe_load(Path(file).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(
+            "fatigue.sn_file", file, f"cannot be read as YAML ({reason})", "Give the path of an S-N table."
+        ) from None
+    own = parse_sn_tables(data, source=file)
+    taken = sorted(set(own) & set(_shipped()))
+    if taken:
+        raise InputError(
+            "fatigue.sn_file", file, f"has a curve called {taken[0]}, as the package has", "Rename it."
+        )
+    return {**_shipped(), **own}
+
+
+def sn_curve(name: str, file: str | None = None) -> SNCurve:
+    """The curve called `name` of the package's table, or of a user's `file`.
+
+    Raises
+    ------
+    InputError
+        If there is none, the message lists the known ones; or as :func:`sn_curves`.
+    """
+    curves = sn_curves(file)
     if name not in curves:
         raise InputError(
             "fatigue.sn_curve", name, "is not a known S-N curve", f"Known are: {', '.join(sorted(curves))}."
@@ -106,25 +67,33 @@ def sn_curve(name: str) -> SNCurve:
 
 
 def cycles_to_failure(
-    curve: SNCurve, stress_range: Float[np.ndarray, "*shape"]
+    curve: SNCurve, stress_range: Float[np.ndarray, "*shape"], *, thickness_m: float | None = None
 ) -> Float[np.ndarray, "*shape"]:
     """Cycles N to failure at a stress range in Pa; infinite at a range of zero.
+
+    Without `thickness_m` the wall is not thicker than the curve's reference.
 
     Raises
     ------
     InputError
-        If a range is negative or not finite.
+        If a range is negative or not finite, or the thickness not > 0.
     """
     if not (np.isfinite(stress_range) & (stress_range >= 0.0)).all():
         raise InputError("stress_range", stress_range, "must be finite and >= 0 Pa", "Give ranges.")
-    knee, inverse_1, m_1, inverse_2, m_2 = curve.coefficients
+    knee, inverse_1, m_1, inverse_2, m_2 = (
+        curve.coefficients if thickness_m is None else curve.coefficients_for(thickness_m)
+    )
     with np.errstate(divide="ignore"):
         upper, lower = 1.0 / (inverse_1 * stress_range**m_1), 1.0 / (inverse_2 * stress_range**m_2)
     return np.asarray(np.where(stress_range >= knee, upper, lower))
 
 
 def miner_damage(
-    curve: SNCurve, stress_range: Float[np.ndarray, " cycle"], count: Float[np.ndarray, " cycle"]
+    curve: SNCurve,
+    stress_range: Float[np.ndarray, " cycle"],
+    count: Float[np.ndarray, " cycle"],
+    *,
+    thickness_m: float | None = None,
 ) -> float:
     """Palmgren-Miner sum of `count` cycles of `stress_range` in Pa."""
-    return float(np.sum(count / cycles_to_failure(curve, stress_range)))
+    return float(np.sum(count / cycles_to_failure(curve, stress_range, thickness_m=thickness_m)))

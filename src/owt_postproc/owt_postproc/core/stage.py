@@ -1,14 +1,14 @@
 """Fatigue of the member ends as a stage: stress blocks in, running damage out, in constant memory.
 
-Damage comes from the signed normal stress at eight points round each member end,
-sigma(theta) = SCF (axial + bending_y sin(theta) + bending_z cos(theta)), theta from element axis y
-towards z. Von Mises stress is unsigned, and rainflow on it loses range; it is counted for the thesis'
-measure, the sum of range times count (chapter 5), and never turned into damage.
+Damage comes from the signed stress of the hot spots (:mod:`owt_postproc.core.hot_spots`). Von Mises stress is
+unsigned, and rainflow on it loses range; it is counted for the thesis' measure, the sum of range times
+count (chapter 5), and never turned into damage.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int, Int32
@@ -16,64 +16,103 @@ from jaxtyping import Float, Int, Int32
 from owt_model.config import CaseConfig
 from owt_model.contracts import FatigueBlock, StressBlock
 from owt_model.errors import ComputationError, InputError
+from owt_model.parallel import map_threads, thread_count
+from owt_postproc.core.hot_spots import WALL, HotSpots
 from owt_postproc.core.sn import SNCurve, sn_curve
 from owt_postproc.kernels import fatigue as kernel
 
 __all__ = [
-    "POINT_ANGLE_DEG",
     "FatigueModel",
     "FatigueResult",
     "FatigueState",
     "build_fatigue_model",
+    "count_rows",
     "final",
     "initial_state",
     "step",
 ]
 
 STREAM = "member_stress"
-N_POINTS = 8
-#: Angles of the points round the section, from element axis y towards z, in degrees.
-POINT_ANGLE_DEG = 360.0 / N_POINTS * np.arange(N_POINTS)
 #: Range bins: 20 per decade from 0.01 MPa to 1000 MPa, and one on either side for what lies outside.
 LOWEST_PA, BINS_PER_DECADE, DECADES = 1e4, 20, 5
 N_BINS = BINS_PER_DECADE * DECADES + 2
 DAMAGE, WEIGHTED, LARGEST = 0, 1, 2
+CHANNELS = ("axial", "bending_y", "bending_z", "von_mises")
+#: Samples that are turned into channels at a time, and values from which a second thread is worth its start.
+CHUNK, WORTH_A_THREAD = 4096, 100_000
+#: A curve that gives no damage.
+NO_DAMAGE = (np.inf, 0.0, 1.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
 class FatigueModel:
-    """What the counting needs to know.
+    """What the counting needs to know. Channels are the hot spots, then von Mises of the member ends.
 
     Attributes
     ----------
     curve : SNCurve
+        Of the hot spots of tubular joints.
+    wall_curve : SNCurve
+        Of the walls elsewhere.
     scf : float
-        Stress concentration factor on the nominal normal stress.
-    n_ends : int
-        Member ends.
+        Stress concentration factor on the nominal stress of walls, part of the hot spots' map.
+    hot_spots : HotSpots
     dt : float
         Sampling interval of the stress in s.
+    thickness_effect : bool
+        Whether walls thicker than a curve's reference are weaker.
     """
 
     curve: SNCurve
+    wall_curve: SNCurve
     scf: float
-    n_ends: int
+    hot_spots: HotSpots
     dt: float
+    thickness_effect: bool = True
 
     @property
-    def sine(self) -> Float[np.ndarray, " point"]:
-        """Sine of the point angles, exact at multiples of 90 degrees."""
-        return np.asarray(np.sin(np.deg2rad(POINT_ANGLE_DEG)).round(15))
+    def n_ends(self) -> int:
+        """Member ends."""
+        return self.hot_spots.n_ends
 
     @property
-    def cosine(self) -> Float[np.ndarray, " point"]:
-        """Cosine of the point angles, exact at multiples of 90 degrees."""
-        return np.asarray(np.cos(np.deg2rad(POINT_ANGLE_DEG)).round(15))
+    def n_spots(self) -> int:
+        """Hot spots."""
+        return self.hot_spots.n_spots
+
+    @property
+    def n_channels(self) -> int:
+        """Series that are counted."""
+        return self.n_spots + self.n_ends
+
+    @cached_property
+    def coefficients(self) -> Float[np.ndarray, "channel 5"]:
+        """S-N coefficients of each channel, thickness included; von Mises has a curve without damage."""
+        spots = self.hot_spots
+        curves = [self.wall_curve if side == WALL else self.curve for side in spots.side]
+        thickness = spots.thickness_m if self.thickness_effect else np.zeros(self.n_spots)
+        made = {
+            (curve.name, wall): curve.coefficients_for(wall) if wall else curve.coefficients
+            for curve, wall in zip(curves, thickness, strict=True)
+        }
+        rows = [made[curve.name, wall] for curve, wall in zip(curves, thickness, strict=True)]
+        return np.array([*rows, *[NO_DAMAGE] * self.n_ends])
+
+    @cached_property
+    def terms(self) -> tuple[Int[np.ndarray, " edge"], Int[np.ndarray, " term"], Float[np.ndarray, " term"]]:
+        """Terms of each channel: edges, rows of the stress of all ends, factors."""
+        spots, n = self.hot_spots, self.n_ends
+        row = spots.term_component * n + spots.term_end
+        return (
+            np.append(spots.start, spots.start[-1] + np.arange(1, n + 1)),
+            np.append(row, len(CHANNELS) * n - n + np.arange(n)),
+            np.append(spots.term_factor, np.ones(n)),
+        )
 
 
 @dataclass(frozen=True)
 class FatigueState:
-    """Where the counting stands; channels are the points, then von Mises.
+    """Where the counting stands; channels are the hot spots, then von Mises.
 
     Attributes
     ----------
@@ -84,24 +123,24 @@ class FatigueState:
     closed : bool
         True once the block marked last is counted.
     stack, depth, last
-        Residues [end, channel, capacity], their lengths and the last samples [end, channel].
-    totals : float array [end, channel, 3]
+        Residues [channel, capacity], their lengths and the last samples [channel].
+    totals : float array [channel, 3]
         Damage, sum of range x count in Pa, largest range in Pa, of the cycles closed so far.
-    count : int array [end, channel]
+    count : int array [channel]
         Half cycles closed so far.
-    histogram : int array [end, channel, bin]
+    histogram : int array [channel, bin]
         The same per range bin.
     """
 
     sequence: int
     samples: int
     closed: bool
-    stack: Float[np.ndarray, "end channel capacity"]
-    depth: Int[np.ndarray, "end channel"]
-    last: Float[np.ndarray, "end channel"]
-    totals: Float[np.ndarray, "end channel 3"]
-    count: Int[np.ndarray, "end channel"]
-    histogram: Int32[np.ndarray, "end channel bin"]
+    stack: Float[np.ndarray, "channel capacity"]
+    depth: Int[np.ndarray, " channel"]
+    last: Float[np.ndarray, " channel"]
+    totals: Float[np.ndarray, "channel 3"]
+    count: Int[np.ndarray, " channel"]
+    histogram: Int32[np.ndarray, "channel bin"]
 
 
 @dataclass(frozen=True)
@@ -110,41 +149,57 @@ class FatigueResult:
 
     Attributes
     ----------
-    damage, cycles, max_range : float arrays [end, point]
-        Palmgren-Miner sum, cycles, and largest range in Pa of the normal stress, SCF included.
+    curve, wall_curve : SNCurve
+        Of the hot spots of tubular joints and of walls.
+    hot_spots : HotSpots
+        Where stress was counted.
+    damage, cycles, max_range : float arrays [spot]
+        Palmgren-Miner sum, cycles, and largest range in Pa of the hot-spot stress.
     total_stress, von_mises_cycles, von_mises_max_range : float arrays [end]
         Sum of range x count in Pa, cycles, and largest range in Pa of the von Mises stress.
     range_edge : float array [bin - 1]
         Inner edges of the range bins in Pa; the first and the last bin are open.
-    histogram : float array [end, point, bin]
-        Cycles of the normal stress per range bin.
+    histogram : float array [spot, bin]
+        Cycles of the hot-spot stress per range bin.
     """
 
     curve: SNCurve
+    wall_curve: SNCurve
     scf: float
+    hot_spots: HotSpots
     samples: int
     duration_s: float
-    damage: Float[np.ndarray, "end point"]
-    cycles: Float[np.ndarray, "end point"]
-    max_range: Float[np.ndarray, "end point"]
+    damage: Float[np.ndarray, " spot"]
+    cycles: Float[np.ndarray, " spot"]
+    max_range: Float[np.ndarray, " spot"]
     total_stress: Float[np.ndarray, " end"]
     von_mises_cycles: Float[np.ndarray, " end"]
     von_mises_max_range: Float[np.ndarray, " end"]
     range_edge: Float[np.ndarray, " edge"]
-    histogram: Float[np.ndarray, "end point bin"]
+    histogram: Float[np.ndarray, "spot bin"]
 
     @property
-    def worst_point(self) -> Int[np.ndarray, " end"]:
-        """Point of largest damage of each end."""
-        return np.asarray(np.argmax(self.damage, axis=1))
+    def end_damage(self) -> Float[np.ndarray, " end"]:
+        """Largest damage of each end's spots."""
+        return self.hot_spots.largest(self.damage)
+
+    @property
+    def end_max_range(self) -> Float[np.ndarray, " end"]:
+        """Largest range in Pa of each end's spots."""
+        return self.hot_spots.largest(self.max_range)
+
+    @property
+    def worst_spot(self) -> Int[np.ndarray, " end"]:
+        """Spot of largest damage of each end."""
+        return self.hot_spots.worst(self.damage)
 
     @property
     def worst_end(self) -> int:
         """Member end of largest damage."""
-        return int(np.argmax(self.damage.max(axis=1)))
+        return int(self.hot_spots.end[np.argmax(self.damage)])
 
 
-def build_fatigue_model(case: CaseConfig, n_ends: int) -> FatigueModel:
+def build_fatigue_model(case: CaseConfig, hot_spots: HotSpots) -> FatigueModel:
     """Prepare the counting of a case.
 
     Raises
@@ -152,24 +207,27 @@ def build_fatigue_model(case: CaseConfig, n_ends: int) -> FatigueModel:
     InputError
         If the S-N curve is unknown, or there are no member ends.
     """
-    if n_ends < 1:
-        raise InputError("n_ends", n_ends, "must be at least 1", "The structure has no members.")
-    return FatigueModel(sn_curve(case.fatigue.sn_curve), case.fatigue.scf, n_ends, case.structure.dt_s)
+    if hot_spots.n_ends < 1:
+        raise InputError("n_ends", hot_spots.n_ends, "must be at least 1", "The structure has no members.")
+    fatigue = case.fatigue
+    curve = sn_curve(fatigue.sn_curve, fatigue.sn_file)
+    wall = curve if fatigue.wall_sn_curve is None else sn_curve(fatigue.wall_sn_curve, fatigue.sn_file)
+    return FatigueModel(curve, wall, fatigue.scf, hot_spots, case.structure.dt_s, fatigue.thickness_effect)
 
 
 def initial_state(model: FatigueModel) -> FatigueState:
     """Nothing counted yet."""
-    shape = (model.n_ends, N_POINTS + 1)
+    n = model.n_channels
     return FatigueState(
         sequence=0,
         samples=0,
         closed=False,
-        stack=np.zeros((*shape, 64)),
-        depth=np.zeros(shape, dtype=np.int64),
-        last=np.zeros(shape),
-        totals=np.zeros((*shape, 3)),
-        count=np.zeros(shape, dtype=np.int64),
-        histogram=np.zeros((*shape, N_BINS), dtype=np.int32),
+        stack=np.zeros((n, 32)),
+        depth=np.zeros(n, dtype=np.int64),
+        last=np.zeros(n),
+        totals=np.zeros((n, 3)),
+        count=np.zeros(n, dtype=np.int64),
+        histogram=np.zeros((n, N_BINS), dtype=np.int32),
     )
 
 
@@ -189,64 +247,113 @@ def step(model: FatigueModel, state: FatigueState, stress: StressBlock) -> tuple
         If the block is not the next one, does not fit the model, or holds NaN or inf.
     """
     _check(model, state, stress)
-    capacity = state.stack.shape[2]
+    counted = state
+    for begin in range(0, len(stress.axial), CHUNK):
+        part = [getattr(stress, name)[begin : begin + CHUNK].T for name in CHANNELS]
+        rows = np.empty((len(CHANNELS) * model.n_ends, part[0].shape[1]))
+        for i, values in enumerate(part):
+            rows[i * model.n_ends : (i + 1) * model.n_ends] = values
+        counted = _count(model, counted, rows)
+    samples = state.samples + len(stress.axial)
+    new = replace(counted, sequence=state.sequence + 1, samples=samples, closed=stress.last)
+    return new, _running(model, new, stress)
+
+
+def count_rows(
+    model: FatigueModel, state: FatigueState, rows: Float[np.ndarray, "row sample"]
+) -> FatigueState:
+    """Count the next samples of a record that comes in one process: one row per stress and end, time last.
+
+    Parameters
+    ----------
+    model : FatigueModel
+    state : FatigueState
+        The old one stays as it was.
+    rows : float array [4 end, sample]
+        Axial, bending_y, bending_z and von Mises stress in Pa, each of all ends.
+
+    Raises
+    ------
+    ComputationError
+        If they do not fit the model, or hold NaN or inf.
+    """
+    if len(rows) != len(CHANNELS) * model.n_ends:
+        raise ComputationError(
+            f"stress rows: {len(rows)}, expected {len(CHANNELS)} for each of {model.n_ends} member ends."
+        )
+    # A sum is finite only if all its terms are; stress is far too small to overflow one.
+    if not np.isfinite(rows.sum()):
+        raise ComputationError(f"stress rows: NaN or inf after sample {state.samples}.")
+    return replace(_count(model, state, rows), samples=state.samples + rows.shape[1])
+
+
+def _count(model: FatigueModel, state: FatigueState, rows: Float[np.ndarray, "row sample"]) -> FatigueState:
+    """Count samples of all ends, one row for each of their stresses, in a copy of the state."""
+    capacity = state.stack.shape[1]
     while True:
-        stack = np.zeros((*state.depth.shape, capacity))
-        stack[:, :, : state.stack.shape[2]] = state.stack
+        stack = np.zeros((model.n_channels, capacity))
+        stack[:, : state.stack.shape[1]] = state.stack
         depth, last, totals = state.depth.copy(), state.last.copy(), state.totals.copy()
         count, histogram = state.count.copy(), state.histogram.copy()
-        longest = kernel.count_block(
-            stress.axial, stress.bending_y, stress.bending_z, stress.von_mises,
-            model.sine, model.cosine, model.scf, model.curve.coefficients, LOWEST_PA, float(BINS_PER_DECADE),
-            stack, depth, last, totals, count, histogram,
-        )  # fmt: skip
+        results = stack, depth, last, totals, count, histogram
+
+        def part(channels: tuple[int, int], into: tuple[np.ndarray, ...] = results) -> int:
+            return kernel.count_block(
+                rows, *channels, *model.terms, model.coefficients, LOWEST_PA, float(BINS_PER_DECADE), *into
+            )
+
+        longest = max(map_threads(part, _shares(model.n_channels, rows.shape[1])))
         if longest <= capacity:
-            break
+            return FatigueState(state.sequence, state.samples, state.closed, *results)
         capacity = max(2 * capacity, longest)
-    samples = state.samples + len(stress.axial)
-    new = FatigueState(state.sequence + 1, samples, stress.last, stack, depth, last, totals, count, histogram)
-    return new, _running(model, new, stress)
+
+
+def _shares(channels: int, samples: int) -> list[tuple[int, int]]:
+    """Ranges of channels, one for each thread that is worth it; results do not depend on their number."""
+    n = max(1, min(thread_count(), channels * samples // WORTH_A_THREAD))
+    edges = [channels * i // n for i in range(n + 1)]
+    return list(zip(edges[:-1], edges[1:], strict=True))
 
 
 def final(model: FatigueModel, state: FatigueState) -> FatigueResult:
     """Results of what has been counted, with the residue as half cycles; the state stays as it is."""
     totals, count, histogram = _closed(model, state, state.histogram.copy())
-    points = slice(0, N_POINTS)
+    spots, ends = slice(0, model.n_spots), slice(model.n_spots, None)
     return FatigueResult(
         curve=model.curve,
+        wall_curve=model.wall_curve,
         scf=model.scf,
+        hot_spots=model.hot_spots,
         samples=state.samples,
         duration_s=max(state.samples - 1, 0) * model.dt,
-        damage=totals[:, points, DAMAGE].copy(),
-        cycles=0.5 * count[:, points],
-        max_range=totals[:, points, LARGEST].copy(),
-        total_stress=totals[:, N_POINTS, WEIGHTED].copy(),
-        von_mises_cycles=0.5 * count[:, N_POINTS],
-        von_mises_max_range=totals[:, N_POINTS, LARGEST].copy(),
+        damage=totals[spots, DAMAGE].copy(),
+        cycles=0.5 * count[spots],
+        max_range=totals[spots, LARGEST].copy(),
+        total_stress=totals[ends, WEIGHTED].copy(),
+        von_mises_cycles=0.5 * count[ends],
+        von_mises_max_range=totals[ends, LARGEST].copy(),
         range_edge=LOWEST_PA * 10.0 ** (np.arange(N_BINS - 1) / BINS_PER_DECADE),
-        histogram=0.5 * histogram[:, points],
+        histogram=0.5 * histogram[spots],
     )
 
 
 def _closed(
-    model: FatigueModel, state: FatigueState, histogram: Int32[np.ndarray, "end channel bin"]
-) -> tuple[
-    Float[np.ndarray, "end channel 3"], Int[np.ndarray, "end channel"], Int32[np.ndarray, "end channel bin"]
-]:
+    model: FatigueModel, state: FatigueState, histogram: Int32[np.ndarray, "channel bin"]
+) -> tuple[Float[np.ndarray, "channel 3"], Int[np.ndarray, " channel"], Int32[np.ndarray, "channel bin"]]:
     """Totals, half cycles and histogram with the residue booked; `histogram` is changed in place."""
     totals, count = state.totals.copy(), state.count.copy()
     kernel.close_block(
-        model.curve.coefficients, LOWEST_PA, float(BINS_PER_DECADE),
+        0, model.n_channels, model.coefficients, LOWEST_PA, float(BINS_PER_DECADE),
         state.stack, state.depth, state.last, totals, count, histogram,
     )  # fmt: skip
     return totals, count, histogram
 
 
 def _running(model: FatigueModel, state: FatigueState, stress: StressBlock) -> FatigueBlock:
-    no_bins = np.zeros((*state.depth.shape, 0), dtype=np.int32)
+    no_bins = np.zeros((model.n_channels, 0), dtype=np.int32)
     totals, count, _ = _closed(model, state, no_bins)
-    worst = np.argmax(totals[:, :N_POINTS, DAMAGE], axis=1)
-    end = np.arange(model.n_ends)
+    spots, n = model.hot_spots, model.n_spots
+    worst = spots.worst(totals[:n, DAMAGE])
     return FatigueBlock(
         sequence=stress.sequence,
         start=max(state.samples - 1, 0),
@@ -254,10 +361,12 @@ def _running(model: FatigueModel, state: FatigueState, stress: StressBlock) -> F
         last=stress.last,
         samples_counted=state.samples,
         sn_curve=model.curve.name,
-        cycles=0.5 * count[end, worst],
-        damage=totals[end, worst, DAMAGE],
-        total_stress=totals[:, N_POINTS, WEIGHTED].copy(),
-        max_range=totals[:, :N_POINTS, LARGEST].max(axis=1),
+        cycles=0.5 * count[worst],
+        damage=totals[worst, DAMAGE],
+        total_stress=totals[n:, WEIGHTED].copy(),
+        max_range=spots.largest(totals[:n, LARGEST]),
+        side=spots.side_code[worst],
+        angle_deg=spots.angle_deg[worst],
     )
 
 
@@ -274,7 +383,7 @@ def _check(model: FatigueModel, state: FatigueState, stress: StressBlock) -> Non
         raise ComputationError(f"{at}: starts at sample {stress.start}, expected {state.samples}.")
     if abs(stress.dt - model.dt) > 1e-12 * model.dt:
         raise ComputationError(f"{at}: sampled at {stress.dt} s, expected {model.dt} s.")
-    for name in ("axial", "bending_y", "bending_z", "von_mises"):
+    for name in CHANNELS:
         values = getattr(stress, name)
         if values.shape != (len(stress.axial), model.n_ends):
             raise ComputationError(

@@ -1,4 +1,4 @@
-"""Stress at points round the section, counted and summed to damage, many member ends at once."""
+"""Stress of hot spots from the stress of member ends, counted and summed to damage, many channels at once."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 from numba import njit
 
 from owt_postproc.kernels.rainflow import close_residue, extract_cycles
+from owt_postproc.kernels.turning import keep_turning
 
 __all__ = ["close_block", "count_block"]
 
-#: Member ends gathered together, and samples worked on at a time: both only keep the data in cache.
-TILE = 8
-SLICE = 256
+#: Samples worked on at a time: what one channel needs of them stays in cache.
+SLICE = 512
 
 
 @njit(cache=True, nogil=True)
@@ -55,32 +55,34 @@ def _book(ranges, halves, found, curve, lowest, bins_per_decade, totals, count, 
 
 @njit(cache=True, nogil=True)
 def count_block(
-    axial, bending_y, bending_z, von_mises, sine, cosine, factor, curve, lowest, bins_per_decade,
+    stress, first, last_channel, start, row, factor, curve, lowest, bins_per_decade,
     stack, depth, last, totals, count, histogram,
 ):  # fmt: skip
-    """Count one block of stress.
+    """Count one block of stress in the channels from `first` to before `last_channel`.
 
     Parameters
     ----------
-    axial, bending_y, bending_z, von_mises : float arrays [sample, end]
+    stress : float array [row, sample]
         Finite stress in Pa.
-    sine, cosine : float arrays [point]
-        Of the angles round the section.
-    factor : float
-        Stress concentration factor on the normal stress.
-    curve : float array [5]
+    first, last_channel : int
+        Channels to count; the others are left alone.
+    start : int array [channel + 1]
+        The terms of channel c are start[c] to start[c + 1], one at least.
+    row, factor : int array, float array [term]
+        A channel is the sum of factor times row of `stress` over its terms, in their order.
+    curve : float array [channel, 5]
         Knee stress in Pa; 1/a and m above it; 1/a and m below it.
     lowest, bins_per_decade : float
         Lower edge in Pa and number per decade of the histogram bins.
-    stack : float array [end, channel, capacity]
-        Residues; channels are the points, then von Mises. Changed in place, like all that follow.
-    depth : int array [end, channel]
-    last : float array [end, channel]
-    totals : float array [end, channel, 3]
+    stack : float array [channel, capacity]
+        Residues. Changed in place, like all that follow.
+    depth : int array [channel]
+    last : float array [channel]
+    totals : float array [channel, 3]
         Damage, sum of range x count in Pa, largest range in Pa.
-    count : int array [end, channel]
+    count : int array [channel]
         Half cycles.
-    histogram : int array [end, channel, bin]
+    histogram : int array [channel, bin]
         Half cycles per range bin.
 
     Returns
@@ -89,79 +91,67 @@ def count_block(
         Longest residue; if it exceeds the capacity the arrays hold rubbish and the block must be
         counted again, from the old state, with more.
     """
-    n, ends = axial.shape
-    points, capacity = sine.size, stack.shape[2]
+    n, capacity = stress.shape[1], stack.shape[1]
     room = capacity + SLICE + 2
     work, ranges, means = np.empty(room), np.empty(room), np.empty(room)
     halves = np.empty(room, dtype=np.int64)
-    tile = np.empty((4, TILE, SLICE))
-    signal = np.empty(SLICE)
+    signal, kept = np.empty(SLICE), np.empty(SLICE)
     longest = 0
-    for first in range(0, ends, TILE):
-        width = min(TILE, ends - first)
-        for start in range(0, n, SLICE):
-            length = min(SLICE, n - start)
+    for begin in range(0, n, SLICE):
+        length = min(SLICE, n - begin)
+        for c in range(first, last_channel):
+            source, weight = stress[row[start[c]], begin : begin + length], factor[start[c]]
             for i in range(length):
-                for k in range(width):
-                    tile[0, k, i] = axial[start + i, first + k]
-                    tile[1, k, i] = bending_y[start + i, first + k]
-                    tile[2, k, i] = bending_z[start + i, first + k]
-                    tile[3, k, i] = von_mises[start + i, first + k]
-            for k in range(width):
-                e = first + k
-                for p in range(points + 1):
-                    if p < points:
-                        for i in range(length):
-                            signal[i] = factor * (
-                                tile[0, k, i] + tile[1, k, i] * sine[p] + tile[2, k, i] * cosine[p]
-                            )
-                    else:
-                        for i in range(length):
-                            signal[i] = tile[3, k, i]
-                    residue = stack[e, p]
-                    for j in range(depth[e, p]):
-                        work[j] = residue[j]
-                    new_depth, last[e, p], found = extract_cycles(
-                        signal[:length], work, depth[e, p], last[e, p], ranges, means, halves
-                    )
-                    if new_depth > capacity:
-                        return new_depth
-                    longest = max(longest, new_depth)
-                    depth[e, p] = new_depth
-                    for j in range(new_depth):
-                        residue[j] = work[j]
-                    _book(
-                        ranges, halves, found, curve, lowest, bins_per_decade,
-                        totals[e, p], count[e, p : p + 1], histogram[e, p],
-                    )  # fmt: skip
+                signal[i] = weight * source[i]
+            for term in range(start[c] + 1, start[c + 1]):
+                source, weight = stress[row[term], begin : begin + length], factor[term]
+                for i in range(length):
+                    signal[i] += weight * source[i]
+            residue = stack[c]
+            for j in range(depth[c]):
+                work[j] = residue[j]
+            turns = keep_turning(signal[:length], kept)
+            new_depth, last[c], found = extract_cycles(
+                kept[:turns], work, depth[c], last[c], ranges, means, halves
+            )
+            if new_depth > capacity:
+                return new_depth
+            longest = max(longest, new_depth)
+            depth[c] = new_depth
+            for j in range(new_depth):
+                residue[j] = work[j]
+            _book(
+                ranges, halves, found, curve[c], lowest, bins_per_decade,
+                totals[c], count[c : c + 1], histogram[c],
+            )  # fmt: skip
     return longest
 
 
 @njit(cache=True, nogil=True)
-def close_block(curve, lowest, bins_per_decade, stack, depth, last, totals, count, histogram):
+def close_block(
+    first, last_channel, curve, lowest, bins_per_decade, stack, depth, last, totals, count, histogram
+):
     """Book the residues as if the stress ended here; they stay, `totals`, `count` and `histogram` change.
 
     Arguments as in :func:`count_block`; a histogram without bins is left out.
     """
-    ends, channels, capacity = stack.shape
+    capacity = stack.shape[1]
     work, ranges, means = np.empty(capacity + 2), np.empty(capacity + 2), np.empty(capacity + 2)
     halves = np.empty(capacity + 2, dtype=np.int64)
-    for e in range(ends):
-        for p in range(channels):
-            found = close_residue(stack[e, p], depth[e, p], last[e, p], work, ranges, means, halves)
-            _book(
-                ranges, halves, found, curve, lowest, bins_per_decade,
-                totals[e, p], count[e, p : p + 1], histogram[e, p],
-            )  # fmt: skip
+    for c in range(first, last_channel):
+        found = close_residue(stack[c], depth[c], last[c], work, ranges, means, halves)
+        _book(
+            ranges, halves, found, curve[c], lowest, bins_per_decade,
+            totals[c], count[c : c + 1], histogram[c],
+        )  # fmt: skip
 
 
 def warm_up() -> None:
     """Compile for the array types in use."""
-    block = np.zeros((3, 1))
-    sine, curve = np.zeros(8), np.ones(5)
-    stack, depth, last = np.zeros((1, 9, 4)), np.zeros((1, 9), dtype=np.int64), np.zeros((1, 9))
-    totals, count = np.zeros((1, 9, 3)), np.zeros((1, 9), dtype=np.int64)
-    histogram = np.zeros((1, 9, 4), dtype=np.int32)
-    results = stack, depth, last, totals, count, histogram
-    count_block(block, block, block, block, sine, sine, 1.0, curve, 1.0, 1.0, *results)
-    close_block(curve, 1.0, 1.0, *results)
+    curve = np.ones((1, 5))
+    stack, depth, last = np.zeros((1, 4)), np.zeros(1, dtype=np.int64), np.zeros(1)
+    totals, count = np.zeros((1, 3)), np.zeros(1, dtype=np.int64)
+    results = stack, depth, last, totals, count, np.zeros((1, 4), dtype=np.int32)
+    start, row = np.array([0, 1]), np.array([0])
+    count_block(np.zeros((1, 3)), 0, 1, start, row, np.ones(1), curve, 1.0, 1.0, *results)
+    close_block(0, 1, curve, 1.0, 1.0, *results)

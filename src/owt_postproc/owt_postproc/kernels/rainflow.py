@@ -69,26 +69,12 @@ def extract_cycles(signal, stack, depth, last, ranges, means, halves):
         last = signal[0]
         depth = 1
         first = 1
-    if last == stack[depth - 1]:  # constant so far: no direction yet
-        while first < n and signal[first] == last:
-            first += 1
-        if first == n:
-            return depth, last, found
-        last_rising = signal[first] > last
-        last = signal[first]
-        first += 1
-    else:
-        last_rising = last > stack[depth - 1]
-    rising = last_rising
+    point = stack[depth - 1]  # the signal has gone from here to `last` without a turn
     for i in range(first, n):
         value = signal[i]
-        if rising:
-            if value < last:
-                depth, found = _push(stack, depth, last, ranges, means, halves, found)
-                rising = False
-        elif value > last:
+        if ((last > point) & (value < last)) | ((last < point) & (value > last)):
             depth, found = _push(stack, depth, last, ranges, means, halves, found)
-            rising = True
+            point = last
         last = value
     return depth, last, found
 

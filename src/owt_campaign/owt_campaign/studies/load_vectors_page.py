@@ -141,7 +141,32 @@ def _span(counts: list[int] | list[int | None] | list[int]) -> str:
 
 
 def _verdict(found: Needs) -> Verdict:
-    raise NotImplementedError
+    share, energy = SHARES[-1], (BASES[0], TOLERANCES[-1])
+    waves = list(dict.fromkeys(w for w, _, _ in found))
+    loads = [_ends(_counts(found, wave, share)) for wave in waves]
+    response = [_ends(_counts(found, wave, energy)) for wave in waves]
+    grown = [sum(high > low for low, high in ends) for ends in (loads, response)]
+    heights = _heights(found, waves[0])
+
+    def listed(ends: list[tuple[float, float]]) -> str:
+        return ", ".join(f"{w} {low:.3g} and {high:.3g}" for w, (low, high) in zip(waves, ends, strict=True))
+
+    why = (
+        f"From H {heights[0]:g} to {heights[-1]:g} m the vectors that carry 99.9 % of the variance of the "
+        f"loads grow for {grown[0]} of {len(waves)} kinds of wave ({listed(loads)}), as the thesis "
+        f"expects; those that bring the potential energy of CB10Mnn to {TOLERANCES[-1]:g} grow for "
+        f"{grown[1]} ({listed(response)}). An irregular sea needs more of them than a regular wave or a "
+        "group of its highest wave, so that a basis for the sea states serves those too."
+    )
+    outcome: Outcome = (
+        "reproduced" if sum(grown) == 2 * len(waves) else "partly" if grown[0] > len(waves) / 2 else "not"
+    )
+    return Verdict(outcome, why)
+
+
+def _ends(counts: list[list[int]]) -> tuple[float, float]:
+    """Means of the lowest and of the highest wave."""
+    return float(np.mean(counts[0])), float(np.mean(counts[-1]))
 
 
 def _figure(found: Needs) -> Figure:

@@ -149,7 +149,7 @@ def _verdict(found: Needs) -> Verdict:
     heights = _heights(found, waves[0])
 
     def listed(ends: list[tuple[float, float]]) -> str:
-        return ", ".join(f"{w} {low:.3g} and {high:.3g}" for w, (low, high) in zip(waves, ends, strict=True))
+        return "; ".join(f"{w}: {low:.3g} and {high:.3g}" for w, (low, high) in zip(waves, ends, strict=True))
 
     why = (
         f"From H {heights[0]:g} to {heights[-1]:g} m the vectors that carry 99.9 % of the variance of the "
@@ -185,5 +185,5 @@ def _figure(found: Needs) -> Figure:
             panel.fill_between(x, [min(n) for n in counts], [max(n) for n in counts], color=colour, alpha=0.2)
         panel.set(title=title, xlabel="wave height H [m]", ylim=(0.0, None))
     panels[0, 0].set_ylabel("load vectors needed")
-    legend(panels[0, 0])
+    legend(panels[0, 1], loc="upper right")
     return figure

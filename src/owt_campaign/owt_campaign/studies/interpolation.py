@@ -233,10 +233,10 @@ _TIME = """\
 
 _VERDICT = Verdict(
     "partly",
-    "Accuracy (figure 4.4) as the thesis describes it: quadratic best, constant and linear alike, the moment "
-    "in the splash zone worst. Not the times (figure 4.5): here the integration is compiled and costs next to "
-    "nothing beside the kinematics, so that constant is no faster than linear, submerged or not; for equal "
-    "accuracy the quadratic distribution is the cheapest.",
+    "Accuracy (figure 4.4) as the thesis describes it: quadratic best, constant and linear alike, the "
+    "moment in the splash zone worst. Not the times (figure 4.5): here the integration is compiled and "
+    "costs next to nothing beside the kinematics, so that constant is no faster than linear, submerged or "
+    "not; for equal accuracy the quadratic distribution is the cheapest.",
 )
 
 

@@ -15,6 +15,8 @@ import sys
 from pathlib import Path
 
 from benchmarks.chain import bench_rainflow, bench_structure
+from benchmarks.engine import bench_engine
+from benchmarks.fatigue import bench_fatigue
 from benchmarks.graph import bench_graph
 from benchmarks.measure import Table, matmul_seconds
 from benchmarks.processes import bench_commands, bench_demo
@@ -25,6 +27,8 @@ PARTS = {
     "long": bench_long,
     "structure": bench_structure,
     "rainflow": bench_rainflow,
+    "engine": bench_engine,
+    "fatigue": bench_fatigue,
     "commands": bench_commands,
     "graph": bench_graph,
     "demo": bench_demo,

@@ -23,6 +23,7 @@ setup(
         "plotly",
         "pydantic>=2",
         "rosbags",
+        "scipy",
         "zstandard",
     ],
     extras_require={"test": ["beartype", "hypothesis", "pytest", "pytest-timeout"]},

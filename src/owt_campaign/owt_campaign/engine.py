@@ -11,7 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from owt_campaign.clusters import CLUSTERS, cluster_basis, cluster_label, clusters
+from owt_campaign.clusters import (
+    CLUSTERS,
+    cluster_basis,
+    cluster_label,
+    cluster_part,
+    clusters,
+    join_cluster,
+)
 from owt_campaign.kept_series import SeriesKeeper
 from owt_campaign.pipeline import StageClock
 from owt_campaign.shared_model import (
@@ -41,8 +48,10 @@ __all__ = [
     "SharedModel",
     "cluster_basis",
     "cluster_label",
+    "cluster_part",
     "clusters",
     "evaluate_case",
+    "join_cluster",
     "model_key",
     "prepare_model",
 ]

@@ -66,19 +66,18 @@ class Fatigue(Frozen):
     )
     hot_spots: Literal["efthymiou", "nominal"] = Field(
         "efthymiou",
-        description="stress that is counted: hot-spot stress where braces meet chords, or the nominal stress of "
-        "all ends",
+        description="stress that is counted: hot-spot stress of tubular joints, or nominal stress only",
     )
     scf: float = Field(
         1.0,
         ge=1.0,
         le=50.0,
-        description="stress concentration factor on the nominal stress of walls, wherever no tubular connection is",
+        description="stress concentration factor on the nominal stress of walls away from tubular joints",
     )
     scf_range: Literal["report", "larger", "clamp", "refuse"] = Field(
         "report",
-        description="geometry outside the range of the equations: used and reported, the larger of it and of the "
-        "limits, the limits, or an error",
+        description="geometry outside the range of the equations: taken and reported, the larger of it and "
+        "the limits, the limits, or an error",
     )
     scf_minimum: float = Field(
         1.5, ge=0.0, le=10.0, description="least stress concentration factor by Efthymiou's equations"

@@ -305,9 +305,10 @@ def _method(data: ReportData) -> str:
     curve = data.fatigue.curve
     return (
         "Rainflow counting after ASTM E1049-85 with the residue as half cycles, every integration step "
-        "included; Palmgren-Miner sum of the signed stress at eight hot spots on the chord side and on the brace "
-        "side of each brace end, with Efthymiou's stress concentration factors and influence functions, and at "
-        "eight points of the wall of all other ends. Thickness effect included, no mean-stress correction. "
+        "included; Palmgren-Miner sum of the signed stress at eight hot spots on the chord side and on the "
+        "brace side of each brace end, with Efthymiou's stress concentration factors and influence "
+        "functions, and at eight points of the wall of all other ends, as far as the case does not say "
+        "otherwise. No mean-stress correction. "
         f"S-N curve: {curve.edition} {curve.source} Series "
         "are drawn thinned out where the captions say so, and in single precision; the numbers in the tables "
         "come from all samples."

@@ -1,9 +1,9 @@
 """Tubular joints as the members make them: which brace end stands on which chord, and how.
 
-The chord of a joint is the pair of members that runs straight through it, the one of largest diameter and wall.
-Two pairs of the same size, as where the braces of an X cross, cannot be told apart: each is then a brace
-on the other. Without a pair a single member larger than all others is the chord. All axes meet in the
-joint, since the members meet in a node: eccentricity is nil, and gaps follow from diameters and angles.
+The chord of a joint is the pair of members that runs straight through it, the one of largest diameter and
+wall. Two pairs of the same size, as where the braces of an X cross, cannot be told apart: each is then
+a brace on the other. Without a pair a single member larger than all others is the chord. All axes meet in
+the joint, since the members meet in a node: eccentricity is nil, and gaps follow from diameters and angles.
 """
 
 from __future__ import annotations
@@ -54,7 +54,8 @@ class Connection:
         Unit vectors along the chord, and from the chord towards the brace.
     crown, normal : float arrays [3]
         Unit vectors across the brace from its axis towards the crown at 0 degrees and the saddle at 90. The
-        crown at 0 is the toe, on the side of the acute angle; of a brace across the chord the one along `axis`.
+        crown at 0 is the toe, on the side of the acute angle; of a brace square to the chord the one along
+        `axis`.
     """
 
     end: int
@@ -218,7 +219,7 @@ class _Finder:
             pairs = [pair for pair in pairs if _same(min(size[pair[0]], size[pair[1]]), largest)]
             others = [size[end][0] for end in ends if all(end not in pair for pair in pairs)]
             if not others or largest[0] >= max(others) * (1.0 - 1e-6):
-                return _disjoint(pairs, self._bend)
+                return _disjoint(sorted(pairs, key=self._bend))
         first, *rest = sorted(ends, key=lambda end: size[end], reverse=True)
         return [(first,)] if rest and size[first][0] > size[rest[0]][0] * (1.0 + 1e-6) else []
 
@@ -308,10 +309,10 @@ def _same(a: tuple[float, float], b: tuple[float, float]) -> bool:
     return all(abs(x - y) <= 1e-6 * abs(y) for x, y in zip(a, b, strict=True))
 
 
-def _disjoint(pairs: list[tuple[int, int]], bend: object) -> list[tuple[int, ...]]:
-    """Pairs that share no end, the straightest first."""
+def _disjoint(pairs: list[tuple[int, int]]) -> list[tuple[int, ...]]:
+    """Pairs that share no end with one before."""
     kept: list[tuple[int, ...]] = []
-    for pair in sorted(pairs, key=bend):  # type: ignore[arg-type,call-overload]
+    for pair in pairs:
         if all(end not in other for other in kept for end in pair):
             kept.append(pair)
     return kept

@@ -183,8 +183,8 @@ def _sections(found: Sensitivity, rows: list[Row]) -> list[str]:
         f"{len(found.peaks['reference'])} seeds. Values are those of seed 1, the range that of the seeds.",
         "## Print and this code\n\n" + rows_table(rows),
         "## Weights\n\nChange of the total stress against the reference and increase by the second order, "
-        "in percent, "
-        "averages over the members, seed 1; weights as in the wave comparison.\n\n" + _weights_table(found),
+        "in percent, averages over the members, seed 1; weights as in the wave comparison.\n\n"
+        + _weights_table(found),
         f"![total stress of the three structures]({NAME}-stress.png)",
         f"![second order over linear]({NAME}-ratio.png)",
         f"![kinetic energy of the highest sea state]({NAME}-energy.png)",
@@ -197,8 +197,8 @@ def _verdict(found: Sensitivity, rows: list[Row]) -> Verdict:
     why = (
         f"On average the frequency model has {frequency:+.0f} % stress (print +400 %), the damping model "
         f"{damping:+.0f} % (print -20 %); the second order adds {raised['reference']:.1f} % on the "
-        "reference, "
-        f"{raised['damping']:.1f} % on the damping and {raised['frequency']:.1f} % on the frequency model."
+        f"reference, {raised['damping']:.1f} % on the damping and {raised['frequency']:.1f} % on the "
+        "frequency model."
     )
     missed = [row for row in rows if row.verdict in ("partly", "not")]
     return Verdict("partly" if missed else "reproduced", why)

@@ -250,18 +250,20 @@ def _linear_table(found: WaveComparison) -> str:
     """Increase over each linear model, by weights, seed 1."""
     members, lines = found.members, []
     for wave in LINEARS:
-        if (1, wave) not in found.table.records:
-            continue
-        for weights in WEIGHTS:
+        cells = found.table.records.get((1, wave), {})
+        directions = {cell.from_deg for cell in cells}
+        for weights in WEIGHTS if len(directions) > 1 else WEIGHTS[1:]:
+            if not cells:
+                continue
             ratio = found.table.ratio(1, wave, weights=weights)
             legs = members.leg & ~np.isnan(ratio)
             most = int(np.nanargmax(ratio))
             lines.append(
-                [wave, weights, f"{percent(np.median(ratio[legs])):+.2f}",
+                [wave, weights, str(len(directions)), f"{percent(np.median(ratio[legs])):+.2f}",
                  f"{percent(np.min(ratio[legs])):+.2f} to {percent(np.max(ratio[legs])):+.2f}",
                  f"{percent(np.nanmin(ratio)):+.2f} to {percent(np.nanmax(ratio)):+.2f}", members.kind(most)]
             )  # fmt: skip
-    head = ["linear model", "weights", "legs, median", "legs", "all members", "largest in"]
+    head = ["linear model", "weights", "directions", "legs, median", "legs", "all members", "largest in"]
     return table(head, lines)
 
 

@@ -99,8 +99,8 @@ def _estimate_rows(found: Beyond) -> list[Row]:
         words = "a relation to the response error would be more interesting"
         rows.append(
             Row(f"true over estimated error of the mean energy, {name}, median and largest", "7.3.2", words,
-                f"{values['median ratio']:.2f}, {values['largest ratio']:.2f}; "
-                f"estimate not exceeded in {values['covered']:.0%}")
+                f"{values['median ratio']:.2f}, {values['largest ratio']:.2f}; estimate not exceeded in "
+                f"{values['covered']:.0%}")
         )  # fmt: skip
     return rows
 
@@ -220,42 +220,31 @@ def _sections(found: Beyond, rows: list[Row]) -> list[str]:
         f"Sea states run: {runs}.",
         "## What is asked and what is found\n\n" + rows_table(rows),
         "## Damage of second-order over linear waves\n\nAt each joint the hot spot of most damage; range: "
-        "single seeds. "
-        "The load factor multiplies the stress of the linear waves so that they give the damage of the "
-        "second order "
-        "(counted ranges, both slopes of the S-N curve).\n\n" + _joint_table(found),
+        "single seeds. The load factor multiplies the stress of the linear waves so that they give the "
+        "damage of the second order (counted ranges, both slopes of the S-N curve).\n\n"
+        + _joint_table(found),
         f"![damage ratio and load factor over the joints]({NAME}-joints.png)",
         "Over each linear model, seed 1:\n\n" + _linear_table(found),
         "## Error estimate against the truth\n\nError of the mean potential energy as estimated from the "
-        "loads alone "
-        "([error estimate](../error_estimate.md)) against the true one, all runs of the reduction study; "
-        "ratios are "
-        "true / estimated. The last column takes the share of the loads' energy that the load vectors "
-        "leave out "
-        "(1 - sum of the proper orthogonal values), which chapter 7.3.2 suggests, as the estimate.\n\n"
-        + _estimate_table(found),
+        "loads alone ([error estimate](../error_estimate.md)) against the true one, all runs of the "
+        "reduction study; ratios are true / estimated. The last column takes the share of the loads' energy "
+        "that the load vectors leave out (1 - sum of the proper orthogonal values), which chapter 7.3.2 "
+        "suggests, as the estimate.\n\n" + _estimate_table(found),
         "## How few sea states\n\nDamage of the worst hot spot, seed 1. *Draws*: sea states drawn with "
-        "these weights, "
-        "for an error below 5 % with 95 % confidence (each may be drawn more than once). *Largest "
-        "weights*: the sea "
-        "states of largest weight are run, the damage of the others is added in proportion to the weights; "
-        "how many "
-        "are needed until the error stays below 5 %. The regression of the damage on Hs and Tp is fitted "
-        "to every "
-        f"twelfth sea state.\n\n{_sampling_table(found)}\n\nKnowing the answer, {_holding(found)} sea "
-        "states hold 95 % "
+        "these weights, for an error below 5 % with 95 % confidence (each may be drawn more than once). "
+        "*Largest weights*: the sea states of largest weight are run, the damage of the others is added in "
+        "proportion to the weights; how many are needed until the error stays below 5 %. The regression of "
+        "the damage on Hs and Tp is fitted to every twelfth sea "
+        f"state.\n\n{_sampling_table(found)}\n\nKnowing the answer, {_holding(found)} sea states hold 95 % "
         "of the damage.",
         f"![contributions of the sea states]({NAME}-sampling.png)",
         f"## Seeds\n\nDamage of one record of 600 s at the worst hot spot scatters by {s.pooled:.0%} "
-        "(coefficient of "
-        f"variation, sea states by their share of the damage; median {np.median(s.variation):.0%}, largest "
-        f"{s.variation.max():.0%}). Bootstrap over the seeds: with {s.seeds} seeds of {len(s.variation)} "
-        "sea states the "
-        f"95 % interval of their damage is +-{s.half_width:.1%}; {np.ceil(s.needed_table):.0f} seeds of "
-        "each make it "
-        f"+-5 %. One sea state alone needs {np.ceil(s.needed_cell):.0f}. More sea states average more: "
-        "with the same "
-        f"scatter all {len(found.cell_damage())} need {np.ceil(found.seeds_of_table):.0f} of each.",
+        "(coefficient of variation, sea states by their share of the damage; median "
+        f"{np.median(s.variation):.0%}, largest {s.variation.max():.0%}). Bootstrap over the seeds: with "
+        f"{s.seeds} seeds of {len(s.variation)} sea states the 95 % interval of their damage is "
+        f"+-{s.half_width:.1%}; {np.ceil(s.needed_table):.0f} seeds of each make it +-5 %. One sea state "
+        f"alone needs {np.ceil(s.needed_cell):.0f}. More sea states average more: with the same scatter all "
+        f"{len(found.cell_damage())} need {np.ceil(found.seeds_of_table):.0f} of each.",
     ]
 
 
@@ -268,16 +257,13 @@ def _verdict(found: Beyond) -> Verdict:
     covered = np.mean([values["covered"] for values in quality.values()])
     outcome: Outcome = "reproduced" if found.seeds_of_table <= 3.0 else "partly"
     why = (
-        f"Nothing of this is printed but the three seeds. The second order changes the damage of the worst "
-        "hot spot by "
-        f"{100 * (worst.ratio - 1):+.1f} % and that of the joints by {100 * (ratio.mean() - 1):+.1f} % on "
-        "average "
-        f"(stress: {_stress_increase(found):+.1f} %): a load factor of {worst.factor:.3f}. The error "
-        "estimate is "
-        f"not exceeded in {covered:.0%} of the runs. Drawn by {best}, {np.ceil(needed[best][0]):.0f} sea "
-        "states give "
-        f"the damage within 5 %, drawn by probability {np.ceil(needed['probability'][0]):.0f}. "
-        f"{np.ceil(found.seeds_of_table):.0f} seeds per sea state give it within 5 %."
+        "Nothing of this is printed but the three seeds. The second order changes the damage of the worst "
+        f"hot spot by {100 * (worst.ratio - 1):+.1f} % and that of the joints by "
+        f"{100 * (ratio.mean() - 1):+.1f} % on average (stress: {_stress_increase(found):+.1f} %): a load "
+        f"factor of {worst.factor:.3f}. The error estimate is not exceeded in {covered:.0%} of the runs. "
+        f"Drawn by {best}, {np.ceil(needed[best][0]):.0f} sea states give the damage within 5 %, drawn by "
+        f"probability {np.ceil(needed['probability'][0]):.0f}. {np.ceil(found.seeds_of_table):.0f} seeds per "
+        "sea state give it within 5 %."
     )
     return Verdict(outcome, why)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
@@ -10,6 +11,7 @@ from jaxtyping import Float
 from owt_campaign.studies.energies import EnergyModel
 from owt_campaign.studies.registry import Progress
 from owt_campaign.studies.sea_table import Cell, cell_case
+from owt_campaign.studies.store import Store
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.pod import load_basis
 from owt_model.structure import case_structure
@@ -67,14 +69,18 @@ def modal_contribution(*, full: bool, progress: Progress) -> dict[str, list[Moda
     seeds, samples = range(1, 11 if full else 4), 6000 if full else 1200
     mesh = build_mesh(case_structure(cell_case(SEAS["low"]).structure))
     found: dict[str, list[ModalShares]] = {}
+    store = Store()
     for name, cell in SEAS.items():
         for seed in seeds:
-            found.setdefault(name, []).append(_shares(mesh, cell, seed, samples))
+            key = ["modal", mesh.structure.content_hash, cell.hs_m, cell.from_deg, cell.tp_s, seed, samples]
+            record = store.run(key, partial(_shares, mesh, cell, seed, samples))
+            pov = {reading: record[reading] for reading in READINGS}
+            found.setdefault(name, []).append(ModalShares(record["mode"], float(record["of_jacket"]), pov))
             progress(sum(map(len, found.values())), len(SEAS) * len(seeds))
     return found
 
 
-def _shares(mesh: Mesh, cell: Cell, seed: int, samples: int) -> ModalShares:
+def _shares(mesh: Mesh, cell: Cell, seed: int, samples: int) -> dict[str, np.ndarray]:
     case = cell_case(cell, seed=seed, samples=samples, reduction=REDUCTION)
     sea = build_sea_state(case)
     windows = prepare_loads(case, mesh, sea, make_field(case, sea))
@@ -91,7 +97,7 @@ def _shares(mesh: Mesh, cell: Cell, seed: int, samples: int) -> ModalShares:
     stiffness = np.einsum("df,df->f", shapes, model.assembly.stiffness @ shapes)
     mean = 0.5 * stiffness * ((motion.displacement @ energy.coordinate[:, inside]) ** 2).mean(axis=0)
     total = float((motion.displacement**2 @ (0.5 * model.omega_squared)).mean())
-    return ModalShares(mean / mean.sum(), float(mean.sum()) / total, _povs(flat))
+    return {"mode": mean / mean.sum(), "of_jacket": np.array(mean.sum() / total), **_povs(flat)}
 
 
 def _povs(nodal: Float[np.ndarray, "time load"]) -> dict[str, Float[np.ndarray, " vector"]]:

@@ -98,7 +98,7 @@ def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
 def further_seeds(cells: Sequence[Cell], *, full: bool) -> dict[int, Sequence[Cell]]:
     """Sea states of further seeds, which the clusters have not seen."""
     known = published_cells()
-    return {2: known, 3: known} if full else {2: cells[:1], 3: cells[-1:]}
+    return {2: known[::3], 3: known[1::3]} if full else {2: cells[:1], 3: cells[-1:]}
 
 
 def _frequencies() -> dict[str, Float[np.ndarray, " mode"]]:

@@ -198,17 +198,15 @@ def _sections(study: ReductionStudy, rows: list[Row]) -> list[str]:
         f"Runs: {runs}.",
         "## Print and this code\n\n" + rows_table(rows),
         "## Frequencies\n\nBy rank, as in figure 6.1; load vectors as in table B.1 (Hs 8.25 m, Tp 11.5 s). "
-        "Which "
-        "modes are kept, by shape, is in the study of the [eigenfrequencies](eigen.md).\n\n"
-        f"![errors of the frequencies]({NAME}-frequencies.png)",
+        "Which modes are kept, by shape, is in the study of the [eigenfrequencies](eigen.md).\n\n![errors "
+        f"of the frequencies]({NAME}-frequencies.png)",
         "## Energy\n\nRelative errors of the potential energy in percent, median / largest of the runs.\n\n"
         + _error_table(study),
         f"![errors of the models]({NAME}-models.png)",
         f"![errors of clustered models]({NAME}-clusters.png)",
-        f"## Time\n\nCPU time of response and member-end stress of 600 s at 0.02 s: unreduced "
+        "## Time\n\nCPU time of response and member-end stress of 600 s at 0.02 s: unreduced "
         f"{study.seconds['full']:.1f} s, CB10M10 {study.seconds['CB10M10']:.2f} s (table 6.1: 250 and 30 "
-        "minutes, "
-        "with another program).",
+        "minutes, with another program).",
     ]
 
 
@@ -219,10 +217,9 @@ def _verdict(study: ReductionStudy, rows: list[Row]) -> Verdict:
     )
     plain = _largest(study, [f"{name} {PLAIN}" for name in CLUSTERED])
     why = (
-        f"Largest error of the models with load vectors of their own sea {own:.2g} % (print 0.08 %), of "
-        "the clustered "
-        f"ones {clustered:.2g} % (print: below 1 %), which needs the loads of each sea state normalised "
-        f"({plain:.2g} % without)."
+        f"Largest error of the models with load vectors of their own sea {own:.2g} % (print 0.08 %), of the "
+        f"clustered ones {clustered:.2g} % (print: below 1 %), which needs the loads of each sea state "
+        f"normalised ({plain:.2g} % without)."
     )
     missed = [row for row in rows if row.verdict in ("partly", "not")]
     return Verdict("partly" if missed else "reproduced", why)

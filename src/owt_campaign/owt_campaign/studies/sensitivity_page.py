@@ -25,6 +25,10 @@ with Taylor expansion, linear with constant extrapolation, cut-off 4 omega_p; 60
 there. Averages are over the members, each counted once."""
 
 
+#: Sea states that all seeds ran.
+_ALONE = "direction 330 degrees alone, three seeds"
+
+
 def run(*, full: bool, progress: Progress) -> StudyResult:
     """Run the study."""
     return result(sensitivity_study(full=full, progress=progress), full=full)
@@ -73,50 +77,50 @@ def _factor(found: Sensitivity, structure: str) -> float:
 def _stress_rows(found: Sensitivity) -> list[Row]:
     rows = []
     for structure, printed in (("frequency", 400.0), ("damping", -20.0)):
-        values = [_change(found, structure, seed) for seed in found.seeds]
-        ours = values[0]
+        ours = _change(found, structure, 1)
         close = abs(ours / printed - 1.0) < 0.25
         verdict: Outcome = "reproduced" if close else "partly" if ours * printed > 0.0 else "not"
-        rows.append(
-            Row(f"total stress of the {structure} model against the reference, on average", "5.3, figure 5.5",
-                printed, ours, "%", (min(values), max(values)), verdict)
-        )  # fmt: skip
-    return rows
-
-
-def _ratio_rows(found: Sensitivity) -> list[Row]:
-    reference = _increase(found, "reference", 1)
-    rows = [
-        Row("increase by the second order, reference, on average", "5.3, figure 5.6a", None, reference, "%",
-            _spread(found, "reference"))
-    ]  # fmt: skip
-    for structure, printed, sign in (
-        ("damping", "the highest of the three", 1.0),
-        ("frequency", "a little smaller than the reference", -1.0),
-    ):
-        ours = _increase(found, structure, 1)
-        each = [
-            sign * (_increase(found, structure, s) - _increase(found, "reference", s)) > 0.0
-            for s in found.seeds
-        ]
-        verdict: Outcome = "reproduced" if all(each) else "partly" if any(each) else "not"
+        each = [_change(found, structure, seed, "published") for seed in found.seeds]
+        name = f"total stress of the {structure} model against the reference, on average"
+        rows.append(Row(name, "5.3, figure 5.5", printed, ours, "%", None, verdict))
         rows.append(
             Row(
-                f"the same, {structure} model",
-                "5.3, figure 5.6",
-                printed,
-                ours,
+                f"the same, {_ALONE}",
+                "5.3, figure 5.5",
+                None,
+                float(np.mean(each)),
                 "%",
-                _spread(found, structure),
-                verdict,
+                (min(each), max(each)),
             )
         )
     return rows
 
 
-def _spread(found: Sensitivity, structure: str) -> tuple[float, float]:
-    values = [_increase(found, structure, seed) for seed in found.seeds]
-    return min(values), max(values)
+def _ratio_rows(found: Sensitivity) -> list[Row]:
+    base, rows = _increase(found, "reference", 1), []
+    words = {
+        "reference": None,
+        "damping": "the highest of the three",
+        "frequency": "a little smaller than the reference",
+    }
+    for structure, printed in words.items():
+        ours = _increase(found, structure, 1)
+        each = [_increase(found, structure, seed, "published") for seed in found.seeds]
+        fits = ours > base if structure == "damping" else ours < base
+        verdict: Outcome | str = "" if printed is None else "reproduced" if fits else "not"
+        name = f"increase by the second order on the {structure} model, on average"
+        rows.append(Row(name, "5.3, figure 5.6", printed, ours, "%", None, verdict))  # type: ignore[arg-type]
+        rows.append(
+            Row(
+                f"the same, {_ALONE}",
+                "5.3, figure 5.6",
+                None,
+                float(np.mean(each)),
+                "%",
+                (min(each), max(each)),
+            )
+        )
+    return rows
 
 
 def _energy_rows(found: Sensitivity) -> list[Row]:
@@ -180,11 +184,11 @@ def _sections(found: Sensitivity, rows: list[Row]) -> list[str]:
     return [
         _HEAD,
         f"Runs of each structure and wave model: {runs}; the highest sea state with "
-        f"{len(found.peaks['reference'])} seeds. Values are those of seed 1, the range that of the seeds.",
+        f"{len(found.peaks['reference'])} seeds. Seed 1 where no seeds are named.",
         "## Print and this code\n\n" + rows_table(rows),
         "## Weights\n\nChange of the total stress against the reference and increase by the second order, "
-        "in percent, "
-        "averages over the members, seed 1; weights as in the wave comparison.\n\n" + _weights_table(found),
+        "in percent, averages over the members, seed 1; weights as in the wave comparison.\n\n"
+        + _weights_table(found),
         f"![total stress of the three structures]({NAME}-stress.png)",
         f"![second order over linear]({NAME}-ratio.png)",
         f"![kinetic energy of the highest sea state]({NAME}-energy.png)",
@@ -197,8 +201,8 @@ def _verdict(found: Sensitivity, rows: list[Row]) -> Verdict:
     why = (
         f"On average the frequency model has {frequency:+.0f} % stress (print +400 %), the damping model "
         f"{damping:+.0f} % (print -20 %); the second order adds {raised['reference']:.1f} % on the "
-        "reference, "
-        f"{raised['damping']:.1f} % on the damping and {raised['frequency']:.1f} % on the frequency model."
+        f"reference, {raised['damping']:.1f} % on the damping and {raised['frequency']:.1f} % on the "
+        "frequency model."
     )
     missed = [row for row in rows if row.verdict in ("partly", "not")]
     return Verdict("partly" if missed else "reproduced", why)

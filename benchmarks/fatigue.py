@@ -20,7 +20,6 @@ SAMPLE = 12
 BLOCKS = (50, 6000)
 #: Classes of fatpack, fine enough that its damage agrees to 1e-3.
 CLASSES = 65536
-TARGET_S, TARGET_RATIO = 2.0, 20.0
 
 
 def prepare() -> tuple[Any, Any, Any]:
@@ -120,7 +119,7 @@ def by_fatpack(series: np.ndarray, coefficients: np.ndarray) -> float:
 
 
 def bench_fatigue(table: Table) -> None:
-    """Wall and processor time and memory, the libraries on some channels, and the targets."""
+    """Wall and processor time and memory; the libraries on some channels."""
     load, response, fatigue = prepare()
     stress = {size: stresses(response, blocks_of(load, size)) for size in BLOCKS}
     result = count(fatigue, stress[BLOCKS[0]])
@@ -147,7 +146,6 @@ def bench_fatigue(table: Table) -> None:
         whole = timing(partial(both, load, response, fatigue, size), 4)
         what = f"  with integration and stress recovery, blocks of {size * samples // BLOCKS[-1]}"
         table.add("fatigue", what, whole)
-        table.note("fatigue", f"  target {TARGET_S:g} s over that", TARGET_S / whole.wall, "x")
     table.note("fatigue", "one channel, rainflow and damage", 1e3 * ours, "ms")
     for name, seconds in theirs.items():
         table.note("fatigue", f"  {name} over that, one thread each", seconds / ours, "x")

@@ -33,7 +33,7 @@ def a_case(**changes: Any) -> CaseConfig:
     data: dict[str, Any] = {
         "sea_state": {"hs_m": 6.0, "tp_s": 9.45, "seed": 3, "direction_deg": 200.0},
         "structure": {"model": "oc4-thesis", "reduction": "CB10M10"},
-        "time": {"n": 700},
+        "time": {"n": 400},
     }
     for name, value in changes.items():
         data[name] = {**data.get(name, {}), **value} if isinstance(value, dict) else value
@@ -100,7 +100,7 @@ def test_record_of_several_windows() -> None:
 
 def test_shared_model_changes_nothing() -> None:
     model = prepare_model(a_case())
-    for changes in ({"sea_state": {"seed": 5}}, {"wave": {"order": 1}}, {"time": {"n": 400}}):
+    for changes in ({"sea_state": {"seed": 5}}, {"wave": {"order": 1}}, {"time": {"n": 300}}):
         case = a_case(**changes)
         alone, shared = evaluate_case(case), evaluate_case(case, model)
         np.testing.assert_array_equal(shared.fatigue.damage, alone.fatigue.damage)

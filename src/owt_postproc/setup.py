@@ -21,6 +21,7 @@ setup(
         "mcap",
         "numba",
         "plotly",
+        "pyarrow",
         "pydantic>=2",
         "rosbags",
         "scipy",

@@ -57,6 +57,7 @@ def analyse(bag: Path, output: Path | None = None) -> tuple[ReportData, Path, li
         notes += [*again.notes, found + turned]
     if check.blocks:
         notes.append(f"cycles counted again: equal the recorded fatigue {check.deviation}")
+    notes += data.fatigue.hot_spots.warnings
     return data, folder, notes
 
 

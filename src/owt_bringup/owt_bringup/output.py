@@ -131,10 +131,13 @@ def write_json(path: Path, data: Any) -> None:
 
 
 class ProgressBar:
-    """One line on a terminal that shows the simulated time and the speed; silent elsewhere."""
+    """One line on a terminal that shows what is done and the speed; silent elsewhere.
 
-    def __init__(self, label: str) -> None:
-        self._label, self._start, self._shown = label, time.perf_counter(), 0.0
+    Counts simulated time in s, or something else that `unit` names.
+    """
+
+    def __init__(self, label: str, unit: str = "s") -> None:
+        self._label, self._unit, self._start, self._shown = label, unit, time.perf_counter(), 0.0
         self._active = sys.stderr.isatty()
 
     @property
@@ -150,7 +153,8 @@ class ProgressBar:
         share = reached / duration if duration else 1.0
         speed = reached / max(now - self._start, 1e-9)
         filled = "#" * int(30 * share)
-        state = f"{100 * share:3.0f} %  {reached:.0f} of {duration:.0f} s, {speed:.0f} x"
+        pace = f"{speed:.0f} x" if self._unit == "s" else f"{speed:.3g} per s"
+        state = f"{100 * share:3.0f} %  {reached:.0f} of {duration:.0f} {self._unit}, {pace}"
         print(
             f"\r{self._label} [{filled:<30}] {state}",
             end="",

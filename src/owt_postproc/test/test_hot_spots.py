@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from owt_model.axes import rotation
-from owt_model.config import parse_case
-from owt_model.contracts import StressBlock
 from owt_model.errors import InputError
 from owt_model.fatigue_config import Fatigue
 from owt_model.frame import Frame, frame_of_mesh
@@ -21,74 +18,21 @@ from owt_postproc.core import efthymiou as eq
 from owt_postproc.core.efthymiou import Shape
 from owt_postproc.core.hot_spots import POINT_ANGLE_DEG, HotSpots, build_hot_spots
 from owt_postproc.core.joints import find_joints
-from owt_postproc.core.sn import sn_curve
-from owt_postproc.core.stage import build_fatigue_model, final, initial_state, step
-
-#: No floor under the factors, no nominal stress of the chord: what the equations say, and nothing else.
-BARE = {"scf_minimum": 0.0, "chord_effect": "length", "chord_fixity": 0.5}
-CHORD, WALL_T, BRACE, WALL_B = 1.0, 0.04, 0.5, 0.02
-
-
-def frame_of(
-    lines: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]],
-    size: dict[str, tuple[float, float]] | None = None,
-) -> Frame:
-    """Members between points; those whose name begins with C are chords."""
-    places = list(dict.fromkeys(tuple(p) for line in lines.values() for p in line))
-    node = np.array([[places.index(p) for p in line] for line in lines.values()])
-    default = {name: (CHORD, WALL_T) if name.startswith("C") else (BRACE, WALL_B) for name in lines}
-    walls = np.array([(default | (size or {}))[name] for name in lines])
-    return Frame(
-        node_name=tuple("J" if p == (0.0, 0.0, 0.0) else f"N{i}" for i, p in enumerate(places)),
-        node_position=np.array(places),
-        node_tied=np.zeros(len(places), dtype=bool),
-        member_name=tuple(lines),
-        member_node=node,
-        end_diameter=np.repeat(walls[:, 0], 2),
-        end_thickness=np.repeat(walls[:, 1], 2),
-    )
-
-
-O = (0.0, 0.0, 0.0)
-CHORDS = {"C1": ((0.0, 0.0, -20.0), O), "C2": (O, (0.0, 0.0, 20.0))}
-
-
-def brace(theta_deg: float, azimuth_deg: float = 0.0, *, up: bool = True, length: float = 10.0):
-    """Brace from the joint at an angle to the upright chord."""
-    s, a = math.radians(theta_deg), math.radians(azimuth_deg)
-    z = math.cos(s) if up else -math.cos(s)
-    return O, (
-        length * math.sin(s) * math.cos(a),
-        length * math.sin(s) * math.sin(a),
-        length * z,
-    )
-
-
-def shape(theta_deg: float, alpha: float = 80.0) -> Shape:
-    return Shape(BRACE / CHORD, CHORD / (2 * WALL_T), WALL_B / WALL_T, math.radians(theta_deg), alpha)
-
-
-def spots_of(frame: Frame, **choices) -> HotSpots:
-    return build_hot_spots(frame, Fatigue.model_validate({**BARE, **choices}))
-
-
-def end_of(frame: Frame, member: str, joint: str = "J") -> int:
-    return frame.end_name.index(f"{member}:{joint}")
-
-
-def response(hot_spots: HotSpots, end: int, side: str, **stress: dict[int, float]) -> np.ndarray:
-    """Stress at the eight points of a side under constant nominal stress of some ends."""
-    given = {name: np.zeros((1, hot_spots.n_ends)) for name in ("axial", "bending_y", "bending_z")}
-    for name, values in stress.items():
-        for at, value in values.items():
-            given[name][0, at] = value
-    chosen = [i for i in range(hot_spots.n_spots) if hot_spots.end[i] == end and hot_spots.side[i] == side]
-    return np.array([hot_spots.stress(i, **given)[0] for i in chosen])
-
-
-def around(crown: float, saddle: float) -> np.ndarray:
-    angle = np.radians(POINT_ANGLE_DEG)
-    return crown * np.cos(angle) ** 2 + saddle * np.sin(angle) ** 2
+from tubular import (
+    BRACE,
+    CHORD,
+    CHORDS,
+    WALL_B,
+    WALL_T,
+    around,
+    brace,
+    end_of,
+    frame_of,
+    k_frame,
+    response,
+    shape,
+    spots_of,
+)
 
 
 def test_t_joint_alone():
@@ -104,10 +48,6 @@ def test_t_joint_alone():
     )
     assert made.thickness_m[made.end == end].tolist() == 8 * [WALL_T] + 8 * [WALL_B]
     assert "is the chord at J" in made.reason
-
-
-def k_frame() -> Frame:
-    return frame_of(CHORDS | {"A": brace(45.0), "B": brace(60.0, up=False)})
 
 
 def zeta(frame: Frame, first: str = "A", second: str = "B") -> float:
@@ -383,120 +323,3 @@ def test_oc4_has_its_joints():
     # Four legs and four sides alike: an end and its image have the same factors.
     factors = {tuple(np.round(np.nan_to_num(row), 3)) for row in made.scf[made.scf[:, 0] > 0]}
     assert len(factors) < 40
-
-
-# --- counting -----------------------------------------------------------------------------------------------
-
-
-def sine_damage(case: dict, frame: Frame, amplitude: dict[str, float], cycles: int = 20) -> tuple:
-    """Result of a sine in some channels of every end of the brace."""
-    parsed = parse_case(case)
-    made = build_hot_spots(frame, parsed.fatigue)
-    model = build_fatigue_model(parsed, made)
-    wave = np.sin(2 * np.pi * np.arange(cycles * 40 + 1) / 40)
-    given = {
-        name: np.zeros((len(wave), made.n_ends)) for name in ("axial", "bending_y", "bending_z", "von_mises")
-    }
-    end = end_of(frame, "B")
-    for name, value in amplitude.items():
-        given[name][:, end] = value * wave
-    given["von_mises"] = np.abs(given["axial"]) + np.hypot(given["bending_y"], given["bending_z"])
-    state, _ = step(model, initial_state(model), StressBlock(0, 0, model.dt, True, **given))
-    return final(model, state), made, end
-
-
-def test_damage_of_a_sine_in_closed_form_and_scaling():
-    """19.5 cycles of 2 x SCF x amplitude, and half a cycle of half the range at either end: 19.5 + 2^-m.
-
-    c times the stress is c^m times the damage on one slope.
-    """
-    frame = frame_of(CHORDS | {"B": brace(90.0)})
-    case = {"fatigue": {"sn_curve": "D_air", "chord_effect": "length", "chord_fixity": 0.5}}
-    one, made, end = sine_damage(case, frame, {"axial": 20e6})
-    saddle = made.name.index("B:J chord 90")
-    scf = eq.t5(shape(90.0), 0.5)
-    curve = sn_curve("D_air")
-    stress_range = 2.0 * 20.0 * scf
-    factor = (WALL_T / curve.reference_thickness_m) ** curve.thickness_exponent
-    cycles = 10.0 ** curve.log10_a[0] * (stress_range * factor) ** -curve.m[0]
-    assert one.damage[saddle] == pytest.approx((19.5 + 2.0 ** -curve.m[0]) / cycles, rel=1e-9)
-    assert int(one.worst_spot[end]) == int(np.argmax(one.damage))
-    two, _, _ = sine_damage(case, frame, {"axial": 40e6})
-    assert two.damage[saddle] == pytest.approx(one.damage[saddle] * 2.0 ** curve.m[0], rel=1e-9)
-
-
-def test_thin_walls_have_no_thickness_effect():
-    """Below the reference thickness a wall counts as the reference; thicker ones are weaker."""
-    curve = sn_curve("D_air")
-    thin, thick = curve.reference_thickness_m * 0.5, curve.reference_thickness_m * 2.0
-    found = {}
-    for wall in (thin, curve.reference_thickness_m, thick):
-        frame = frame_of({"B": (O, (0.0, 0.0, 10.0))}, {"B": (BRACE, wall)})
-        for effect in (True, False):
-            case = {"fatigue": {"sn_curve": "D_air", "hot_spots": "nominal", "thickness_effect": effect}}
-            result, _, _ = sine_damage(case, frame, {"axial": 100e6})
-            found[wall, effect] = result.damage.max()
-    assert found[thin, True] == found[thin, False] == found[curve.reference_thickness_m, True]
-    ratio = found[thick, True] / found[thick, False]
-    assert ratio == pytest.approx(2.0 ** (curve.thickness_exponent * curve.m[0]), rel=1e-9)
-
-
-@pytest.mark.parametrize(("amplitude", "slope", "ratio"), [(100e6, 3.0, 0.25), (5e6, 5.0, 0.07)])
-def test_unsigned_stress_loses_damage(amplitude, slope, ratio):
-    """Alternating bending: the unsigned stress has half the range at twice the rate, 2 (1/2)^m of the damage.
-
-    The acceptance value for m = 5, 0.07, is 2/32 = 0.0625 rounded up: the tolerance covers it.
-    """
-    frame = frame_of(CHORDS | {"B": brace(90.0)})
-    case = {"fatigue": {"sn_curve": "D_air", "hot_spots": "nominal", "thickness_effect": False}}
-    signed, made, end = sine_damage(case, frame, {"bending_z": amplitude}, cycles=200)
-    wave = amplitude * np.sin(2 * np.pi * np.arange(200 * 40 + 1) / 40)
-    model = build_fatigue_model(parse_case(case), made)
-    zero = np.zeros((len(wave), made.n_ends))
-    folded = zero.copy()
-    folded[:, end] = np.abs(wave)
-    block = StressBlock(0, 0, model.dt, True, folded, zero, zero, folded)
-    unsigned = final(model, step(model, initial_state(model), block)[0])
-    found = unsigned.damage.max() / signed.damage.max()
-    assert found == pytest.approx(2.0 * 0.5**slope, rel=0.02)
-    assert found == pytest.approx(ratio, abs=0.01)
-
-
-def random_blocks(n_ends: int, cuts: list[int]) -> list[StressBlock]:
-    rng = np.random.default_rng(3)
-    series = [np.cumsum(rng.normal(size=(900, n_ends)), axis=0) * 1e6 for _ in range(3)]
-    series.append(np.abs(series[0]))
-    edges = [0, *cuts, 900]
-    return [
-        StressBlock(i, a, 0.02, b == 900, *(np.ascontiguousarray(x[a:b]) for x in series))
-        for i, (a, b) in enumerate(pairwise(edges))
-    ]
-
-
-@pytest.mark.parametrize("threads", ["1", "2", "5"])
-@pytest.mark.parametrize("cuts", [[1, 400], list(range(7, 900, 7))])
-def test_splits_and_threads_change_no_bit(monkeypatch, threads, cuts):
-    frame = k_frame()
-    model = build_fatigue_model(parse_case({}), build_hot_spots(frame, Fatigue()))
-    whole, _ = step(model, initial_state(model), random_blocks(frame.n_ends, [])[0])
-    monkeypatch.setenv("OWT_THREADS", threads)
-    monkeypatch.setattr("owt_postproc.core.stage.WORTH_A_THREAD", 1)
-    state = initial_state(model)
-    for block in random_blocks(frame.n_ends, cuts):
-        state, running = step(model, state, block)
-    one, two = final(model, whole), final(model, state)
-    for name in ("damage", "cycles", "max_range", "histogram", "total_stress"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
-    np.testing.assert_array_equal(running.damage, two.end_damage)
-    worst = two.worst_spot
-    assert [("wall", "chord", "brace")[i] for i in running.side] == [two.hot_spots.side[i] for i in worst]
-
-
-def test_stress_of_a_spot_is_what_is_counted():
-    frame = k_frame()
-    model = build_fatigue_model(parse_case({}), build_hot_spots(frame, Fatigue()))
-    (block,) = random_blocks(frame.n_ends, [])
-    result = final(model, step(model, initial_state(model), block)[0])
-    for spot in (0, 20, result.hot_spots.n_spots - 1, int(np.argmax(result.damage))):
-        series = result.hot_spots.stress(spot, block.axial, block.bending_y, block.bending_z)
-        assert result.max_range[spot] == pytest.approx(np.ptp(series), rel=1e-12)

@@ -5,35 +5,107 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owt_campaign.studies.registry import STUDIES
+from owt_model.errors import InputError
+
+if TYPE_CHECKING:
+    from owt_campaign.studies.result import StudyResult
 
 HELP = "tables and figures of the thesis, beside the print"
 
-#: Studies that there are.
-STUDIES = ("eigen",)
+#: First line of the index of a folder of studies: only a file that begins with it is written over.
+INDEX_TITLE = "# Studies: the thesis' tables and figures, beside the print"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
+    parser.add_argument("name", nargs="?", choices=STUDIES, metavar="NAME", help=", ".join(STUDIES))
+    parser.add_argument("--list", action="store_true", help="print the names, one line each")
     parser.add_argument(
-        "name", choices=STUDIES, metavar="NAME", help="eigen: frequencies and damping, tables B.1, B.2, B.3"
+        "--full", action="store_true", help="as in docs/study: all cases and seeds, minutes; else seconds"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="also write the page NAME.md into this folder"
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="also write NAME.md, its figures and NAME.json into this folder",
     )
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the study and print it as a page, or as JSON."""
-    from owt_bringup.output import atomic_path, prepare_folder
-    from owt_campaign.studies.eigen import eigen_study, thesis_tables
-    from owt_campaign.studies.eigen_page import eigen_page
+    from owt_bringup.output import ProgressBar, prepare_folder
+    from owt_campaign.studies.registry import run_study
+    from owt_model.versions import versions
 
+    if options.list:
+        width = max(map(len, STUDIES))
+        print("\n".join(f"{study.name:{width}}  {study.help}" for study in STUDIES.values()))
+        return 0
+    if options.name is None:
+        raise InputError("study", None, "is not named", f"Choose one of {', '.join(STUDIES)}, or --list.")
     folder = None if options.output is None else prepare_folder(options.output)
-    study = eigen_study()
-    page = eigen_page(study, thesis_tables())
+    bar = ProgressBar(options.name, unit="runs")
+    try:
+        result = run_study(options.name, full=options.full, progress=bar.callback)
+    finally:
+        bar.close()
+    made_by = versions()
+    found = result.as_json(made_by.get("revision", made_by["owt"]))
     if folder is not None:
-        with atomic_path(folder / f"{options.name}.md") as partial:
-            partial.write_text(page, encoding="utf-8")
-    print(json.dumps(study.as_json(), allow_nan=False) if options.json else page.rstrip())
+        write_study(folder, result, found)
+    print(json.dumps(found, allow_nan=False) if options.json else result.page.rstrip())
     return 0
+
+
+def write_study(folder: Path, result: StudyResult, found: dict[str, object]) -> None:
+    """Write page, figures and JSON of a study, and the index of the folder.
+
+    Raises
+    ------
+    InputError
+        If nothing can be written there.
+    """
+    from owt_bringup.output import atomic_path, write_json
+
+    for key, draw in result.figures.items():
+        from owt_campaign.studies.plotting import save
+
+        with atomic_path(folder / result.picture(key)) as partial:
+            save(draw(), partial)
+    with atomic_path(folder / f"{result.name}.md") as partial:
+        partial.write_text(result.page, encoding="utf-8")
+    write_json(folder / f"{result.name}.json", found)
+    index = folder / "README.md"
+    if not index.exists() or index.read_text(encoding="utf-8").startswith(INDEX_TITLE):
+        with atomic_path(index) as partial:
+            partial.write_text(index_page(folder), encoding="utf-8")
+
+
+def index_page(folder: Path) -> str:
+    """The index of a folder of studies, from their JSON files: one line and verdict each."""
+    from owt_campaign.studies.result import table
+
+    rows = []
+    for name, study in STUDIES.items():
+        path = folder / f"{name}.json"
+        if not path.exists():
+            continue
+        found = json.loads(path.read_text(encoding="utf-8"))
+        verdict = found["verdict"]
+        outcome = {"partly": "partly reproduced", "not": "not reproduced"}.get(
+            verdict["outcome"], verdict["outcome"]
+        )
+        reduced = "" if found["full"] else " (reduced version)"
+        rows.append([f"[{name}]({name}.md)", study.help, f"**{outcome}**{reduced}: {verdict['why']}"])
+    head = (
+        "Written by `./owt study NAME --full -o docs/study`. Each page holds tables and figures beside the "
+        "printed values and ends with a verdict; its JSON file holds print, result, spread over the seeds, "
+        "verdict and the revision of the code. What is random has at least three seeds. Nothing is tuned to "
+        "a printed number, but for the unpublished tower and rotor-nacelle (see eigen)."
+    )
+    return f"{INDEX_TITLE}\n\n{head}\n\n{table(['study', 'what', 'verdict'], rows)}\n"

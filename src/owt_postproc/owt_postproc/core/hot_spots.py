@@ -70,8 +70,10 @@ class HotSpots:
         Class of the joint that the end makes: ``T/Y``, ``K``, ``KT``, ``X``, ``KX``, ``KTX``; empty without.
     reason : tuple of str [end]
         Why an end has no tubular connection; empty where it has one.
-    notes : tuple of str
-        What a reader of results must know: parameters out of range, ends without a connection.
+    warnings : tuple of str
+        Parameters out of the range of the equations, one line per class of joint and parameter.
+    remarks : tuple of str
+        What else a reader of results should know: ends without a connection.
     start : int array [spot + 1]
         The terms of spot i are start[i] to start[i + 1].
     term_end, term_component : int arrays [term]
@@ -87,7 +89,8 @@ class HotSpots:
     scf: Float[np.ndarray, "spot 8"]
     kind: tuple[str, ...]
     reason: tuple[str, ...]
-    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    remarks: tuple[str, ...]
     start: Int[np.ndarray, " edge"]
     term_end: Int[np.ndarray, " term"]
     term_component: Int[np.ndarray, " term"]
@@ -97,6 +100,11 @@ class HotSpots:
     def side_code(self) -> Int[np.ndarray, " spot"]:
         """Side of each spot as a number: 0 wall, 1 chord, 2 brace."""
         return np.array([SPOT_SIDES.index(side) for side in self.side], dtype=np.int64)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Warnings and remarks."""
+        return (*self.warnings, *self.remarks)
 
     @property
     def n_spots(self) -> int:
@@ -216,7 +224,9 @@ class _Spots:
             terms[other, BENDING_Y], terms[other, BENDING_Z] = self.along(other, factor * own.radial)
         return {source: factor for source, factor in terms.items() if factor != 0.0 or source[0] == end}
 
-    def finish(self, kind: list[str], reason: tuple[str, ...], notes: tuple[str, ...]) -> HotSpots:
+    def finish(
+        self, kind: list[str], reason: tuple[str, ...], warnings: tuple[str, ...], remarks: tuple[str, ...]
+    ) -> HotSpots:
         """Put the spots together."""
         end, component, factor = ([term[i] for term in self.terms] for i in range(3))
         return HotSpots(
@@ -228,7 +238,8 @@ class _Spots:
             scf=np.reshape(self.scf, (-1, len(SCF_NAMES))),
             kind=tuple(kind),
             reason=reason,
-            notes=notes,
+            warnings=warnings,
+            remarks=remarks,
             start=np.array(self.start, dtype=np.int64),
             term_end=np.array(end, dtype=np.int64),
             term_component=np.array(component, dtype=np.int64),
@@ -248,7 +259,7 @@ def wall_spots(frame: Frame, factor: float = 1.0) -> HotSpots:
     for end in range(frame.n_ends):
         made.wall(end, factor)
     reason = ("the case counts nominal stress",) * frame.n_ends
-    return made.finish([""] * frame.n_ends, reason, ())
+    return made.finish([""] * frame.n_ends, reason, (), ())
 
 
 def build_hot_spots(frame: Frame, fatigue: Fatigue) -> HotSpots:
@@ -278,11 +289,11 @@ def build_hot_spots(frame: Frame, fatigue: Fatigue) -> HotSpots:
         found[end] = connection_factors(joints, end, fatigue, frame.end_name[end])
         kind[end] = found[end].kind
         made.connection(joints.connection[end], joints, found[end], fatigue.chord_effect == "frame")
-    notes = (*_range_notes(found, frame, fatigue.scf_range), *_reason_notes(joints.reason))
-    return made.finish(kind, joints.reason, notes)
+    warnings = _out_of_range(found, frame, fatigue.scf_range)
+    return made.finish(kind, joints.reason, warnings, _without_connection(joints.reason))
 
 
-def _range_notes(found: dict[int, Factors], frame: Frame, how: str) -> tuple[str, ...]:
+def _out_of_range(found: dict[int, Factors], frame: Frame, how: str) -> tuple[str, ...]:
     """One line for each class of joint and parameter that is out of range."""
     groups: dict[tuple[str, str], list[tuple[float, float, str]]] = {}
     for end, factors in found.items():
@@ -299,7 +310,7 @@ def _range_notes(found: dict[int, Factors], frame: Frame, how: str) -> tuple[str
     return tuple(lines)
 
 
-def _reason_notes(reason: tuple[str, ...]) -> tuple[str, ...]:
+def _without_connection(reason: tuple[str, ...]) -> tuple[str, ...]:
     """One line for the ends that are neither brace nor chord nor run on."""
     quiet = ("is the chord at", "runs on at")
     ends = Counter(text for text in reason if text and not text.startswith(quiet))

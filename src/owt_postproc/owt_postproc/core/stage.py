@@ -42,7 +42,7 @@ CHANNELS = ("axial", "bending_y", "bending_z", "von_mises")
 #: Samples that are turned into channels at a time, and values from which a second thread is worth its start.
 CHUNK, WORTH_A_THREAD = 4096, 100_000
 #: A curve that gives no damage.
-NO_DAMAGE = (np.inf, 0.0, 1.0, 0.0, 1.0)
+NO_DAMAGE = (np.inf, 0.0, 3.0, 0.0, 3.0)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,150 @@
+"""What runs of chapter 5 add up to over the load-case table: totals per member, ratios, their spread."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
+from owt_campaign.studies.registry import Progress
+from owt_campaign.studies.sea_table import Cell, occurrence
+from owt_campaign.studies.stress_runs import Sea, StressRecord, StressRuns
+from owt_model.mesh import Mesh
+
+__all__ = ["Members", "TableRuns", "run_table"]
+
+#: Total stress of a member, of the largest one, below which it is not looked at: those inside the transition
+#: piece, which is rigid.
+RELEVANT = 1e-3
+
+
+@dataclass(frozen=True)
+class Members:
+    """Members of the jacket as the figures order them.
+
+    Attributes
+    ----------
+    name : tuple of str
+    level : float array [member]
+        z of the middle in m.
+    leg, pile : bool arrays [member]
+        Legs, and the grouted piles below them; the rest are braces.
+    """
+
+    name: tuple[str, ...]
+    level: Float[np.ndarray, " member"]
+    leg: np.ndarray
+    pile: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> Members:
+        """Take those of a mesh."""
+        diameter = mesh.element_diameter[mesh.member_element[:, 0]]
+        level = mesh.node_position[mesh.member_node, 2].mean(axis=1)
+        return cls(mesh.member_name, level, diameter == 1.2, diameter > 1.5)
+
+    def kind(self, m: int) -> str:
+        """What a member is, in words."""
+        what = "leg" if self.leg[m] else "pile" if self.pile[m] else "brace"
+        return f"{what} {self.name[m]} at z = {self.level[m]:.0f} m"
+
+
+@dataclass(frozen=True)
+class TableRuns:
+    """Records of one structure by seed, wave model and cell."""
+
+    records: Mapping[tuple[int, str], Mapping[Cell, StressRecord]]
+
+    def seeds(self, wave: str = SECOND_ORDER) -> list[int]:
+        """Seeds that there are of a wave model."""
+        return sorted(seed for seed, name in self.records if name == wave)
+
+    def cells(self, seed: int, wave: str = SECOND_ORDER) -> list[Cell]:
+        """Cells that there are of a seed."""
+        return list(self.records[seed, wave])
+
+    def total(
+        self,
+        wave: str,
+        seed: int | None = None,
+        *,
+        weights: str = "assumed",
+        part: str = "total_stress",
+        like: str | None = None,
+    ) -> Float[np.ndarray, ...]:
+        """Sum over the cells, each by its probability.
+
+        Parameters
+        ----------
+        wave : str
+            Wave model.
+        seed : int, optional
+            Of the records; of each cell the mean over its seeds where left out.
+        weights : str
+            As :func:`~owt_campaign.studies.sea_table.occurrence` takes them.
+        part : str
+            What of the records is summed.
+        like : str, optional
+            Another wave model: cells and seeds that this one lacks are left out.
+        """
+        seeds = self.seeds(wave) if seed is None else [seed]
+        values: dict[Cell, list[np.ndarray]] = {}
+        for number in seeds:
+            other = self.records.get((number, wave if like is None else like), {})
+            for cell, record in self.records[number, wave].items():
+                if cell in other:
+                    values.setdefault(cell, []).append(getattr(record, part))
+        share = occurrence(list(values), weights)
+        return np.asarray(sum(p * np.mean(of, axis=0) for p, of in zip(share, values.values(), strict=True)))
+
+    def ratio(
+        self, seed: int | None = None, linear: str = LINEAR, weights: str = "assumed"
+    ) -> Float[np.ndarray, " member"]:
+        """Second order over linear of the total stress of every member; of all seeds where none is named.
+
+        Of both ends of a member the larger total counts. NaN for members without stress.
+        """
+        one = by_member(self.total(linear, seed, weights=weights, like=SECOND_ORDER))
+        two = by_member(self.total(SECOND_ORDER, seed, weights=weights, like=linear))
+        seen = two > RELEVANT * two.max()
+        return np.where(seen, two, np.nan) / np.where(seen, one, 1.0)
+
+
+def by_member(total: Float[np.ndarray, " end"]) -> Float[np.ndarray, " member"]:
+    """Larger one of the two ends of each member."""
+    return np.asarray(total.reshape(-1, 2).max(axis=1))
+
+
+def run_table(
+    runs: StressRuns,
+    plan: Sequence[tuple[int, str, Sequence[Cell], Sequence[str]]],
+    progress: Progress,
+) -> dict[str, TableRuns]:
+    """Run parts of the load-case table.
+
+    Parameters
+    ----------
+    runs : StressRuns
+        What the runs share.
+    plan : sequence of tuples
+        Seed, wave model, cells and structures of each part.
+    progress : callable
+        Called with the runs done and those in all.
+
+    Returns
+    -------
+    dict of TableRuns
+        By structure.
+    """
+    found: dict[str, dict[tuple[int, str], dict[Cell, StressRecord]]] = {}
+    done, total = 0, sum(len(cells) for _, _, cells, _ in plan)
+    for seed, wave, cells, structures in plan:
+        for cell in cells:
+            for name, record in runs.records(Sea(cell, seed, wave), structures).items():
+                found.setdefault(name, {}).setdefault((seed, wave), {})[cell] = record
+            done += 1
+            progress(done, total)
+    return {name: TableRuns(records) for name, records in found.items()}

@@ -181,8 +181,8 @@ def _range(rows: list[Row], hs: float) -> str:
     some = [row for row in rows if f"Hs {hs:g} m" in row.name]
     if not some:
         return "not run"
-    ours, print_ = ([float(getattr(row, of)) for row in some] for of in ("ours", "printed"))
-    return f"{min(ours):.2g} to {max(ours):.2g} % (print {min(print_):.3g} to {max(print_):.3g} %)"
+    here, there = ([float(getattr(row, of)) for row in some] for of in ("ours", "printed"))
+    return f"{min(here):.2g} to {max(here):.2g} % (print {min(there):.3g} to {max(there):.3g} %)"
 
 
 def _figure(stresses: Stresses, periods: Periods) -> Figure:
@@ -199,10 +199,10 @@ def _figure(stresses: Stresses, periods: Periods) -> Figure:
                 if (table_, height, wave) == (name, hs, SECOND_ORDER):
                     ref = stresses[name, hs, SECOND_ORDER, TABLE_CUTOFF, seed]["ref"]
                     mean.setdefault(tp, []).append(stress / ref)
-            tp = sorted(mean)
+            tried = sorted(mean)
             look: dict[str, Any] = {"color": colour, "marker": "o", "ms": 3, "lw": 1.2}
             what = "0.38 Hz" if name == "D.1" else "0.28 Hz"
-            panel.plot(tp, [np.mean(mean[t]) for t in tp], label=what, **look)
+            panel.plot(tried, [np.mean(mean[t]) for t in tried], label=what, **look)
         panel.axvline(scatter["weighted_tp_s"][f"{hs:g}"], color=BLUE, lw=0.8, ls=":")
         count = panel.twinx()
         count.bar(scatter["tp_s"], scatter["occurrences"][f"{hs:g}"], width=0.6, color=FAINT, alpha=0.35)

@@ -173,7 +173,7 @@ def _figure(found: Needs) -> Figure:
     from owt_campaign.studies.plotting import COLOURS, canvas, legend
 
     figure, panels = canvas(1, 2, (9.0, 3.6))
-    shown = (
+    shown: tuple[tuple[str, float | tuple[str, float]], ...] = (
         ("99.9 % of the load's variance", SHARES[-1]),
         (f"potential energy to {TOLERANCES[-1]:g}, CB10Mnn", (BASES[0], TOLERANCES[-1])),
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -102,10 +103,6 @@ class Connection:
         """Gap in m along the chord between two braces of one plane; negative where they overlap."""
         return abs(self.foot - other.foot) - 0.5 * (self.footprint + other.footprint)
 
-    def on_chord_of(self, other: Connection) -> bool:
-        """Whether both stand on the same chord at the same joint."""
-        return self.chord == other.chord
-
 
 @dataclass(frozen=True)
 class Joints:
@@ -122,10 +119,18 @@ class Joints:
     connection: dict[int, Connection]
     reason: tuple[str, ...]
 
+    @cached_property
+    def _on_chord(self) -> dict[tuple[int, ...], list[Connection]]:
+        """Connections by their chord."""
+        found: dict[tuple[int, ...], list[Connection]] = {}
+        for connection in self.connection.values():
+            found.setdefault(connection.chord, []).append(connection)
+        return found
+
     def neighbours(self, end: int) -> tuple[list[Connection], list[Connection]]:
         """Other braces of an end's plane, on its own side of the chord and on the opposite one."""
         own = self.connection[end]
-        others = [c for c in self.connection.values() if c.end != end and own.on_chord_of(c)]
+        others = [c for c in self._on_chord[own.chord] if c.end != end]
         same = [c for c in others if own.azimuth_deg(c) < PLANE_DEG]
         opposite = [c for c in others if own.azimuth_deg(c) > 180.0 - PLANE_DEG]
         return same, opposite

@@ -14,7 +14,7 @@ from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.reduction import further_seeds
 from owt_campaign.studies.reduction_runs import SPECIFIC, SeaErrors, table_errors
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, occurrence
+from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, occurrence, study_cells
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import StressRuns, thinned
 from owt_campaign.studies.wave_comparison import table_plan
@@ -135,10 +135,11 @@ class SeedScatter:
 
 def beyond_study(*, full: bool, progress: Progress) -> Beyond:
     """Run the study."""
-    cells = list(load_case_table()) if full else few_cells()
+    table_cells = list(load_case_table()) if full else few_cells()
+    cells = study_cells() if full else few_cells()
     samples, store = 6000 if full else 1200, Store()
-    runs = StressRuns(thinned(cells) if full else cells[:1], samples=samples, store=store)
-    table = run_table(runs, table_plan(cells, full=full), progress)["reference"]
+    runs = StressRuns(thinned(table_cells) if full else cells[:1], samples=samples, store=store)
+    table = run_table(runs, table_plan(table_cells, full=full), progress)["reference"]
     errors = table_errors(
         cells, further_seeds(cells, full=full), samples=samples, store=store, progress=progress
     )

@@ -15,7 +15,16 @@ from owt_campaign.occurrence import table_occurrence
 from owt_campaign.studies.cases import study_case
 from owt_model.config import CaseConfig
 
-__all__ = ["WEIGHTS", "Cell", "cell_case", "few_cells", "load_case_table", "occurrence", "published_cells"]
+__all__ = [
+    "WEIGHTS",
+    "Cell",
+    "cell_case",
+    "few_cells",
+    "load_case_table",
+    "occurrence",
+    "published_cells",
+    "study_cells",
+]
 
 #: Direction of the only published scatter diagram (thesis table 4.4).
 PUBLISHED_DEG = 330.0
@@ -52,6 +61,12 @@ def _probability() -> dict[Cell, float]:
 def published_cells() -> list[Cell]:
     """The sea states of direction 330 deg, whose occurrences are published."""
     return [cell for cell in load_case_table() if cell.from_deg == PUBLISHED_DEG]
+
+
+def study_cells() -> list[Cell]:
+    """What full versions of the studies run: every third sea state of the table, all of direction 330 deg."""
+    chosen = {*load_case_table()[::3], *published_cells()}
+    return [cell for cell in load_case_table() if cell in chosen]
 
 
 def few_cells() -> list[Cell]:

@@ -297,9 +297,9 @@ def _sections(found: WaveComparison, rows: list[Row], full: bool) -> list[str]:
         f"Runs: {runs}.",
         "## Print and this code\n\n" + rows_table(rows),
         "## Which linear model\n\nIncrease in percent of the total stress by the second order, seed 1. "
-        "Weights: *assumed*, the occurrences of direction 330 degrees by wave height for every direction "
-        "(an assumption); *published*, direction 330 degrees alone (table 4.4); *alike*, every cell the "
-        "same.\n\n" + _linear_table(found),
+        "Weights: *assumed*, the assumed wave rose with the heights of direction 330 degrees in every "
+        "direction; *published*, direction 330 degrees alone (table 4.4); *alike*, every cell the same."
+        "\n\n" + _linear_table(found),
         shown("stress", "total stress and its ratio over the members"),
         "Legs filled, braces open; 1 to 3 are the members that the text looks at: the largest ratio, the "
         "leg half way down, the heaviest.",

@@ -97,6 +97,11 @@ class WaveComparison:
     seconds: dict[str, float]
     mesh: Any
 
+    @property
+    def tried(self) -> list[str]:
+        """Linear models that the highest sea state ran."""
+        return list(dict.fromkeys(wave for wave, _ in self.peaks))
+
     def band_share(self, tp: float) -> dict[str, float]:
         """Share of the variance of the stress in the bands round the eigenfrequencies."""
         frequency, power = self.spectra[tp]
@@ -186,10 +191,11 @@ def _spectrum(runs: StressRuns, tp: float, end: str) -> Float[np.ndarray, "2 fre
 
 
 def _load_seconds(runs: StressRuns, wave: str) -> float:
-    """CPU seconds of waves and loads of one sea state, the second time."""
+    """CPU seconds of waves and loads of one sea state, the least of several."""
     model, case = runs.model("reference"), runs.case(Sea(load_case_table()[-1], 1, wave))
-    for _ in range(2):
+    seconds = []
+    for _ in range(4):
         start = time.process_time()
         WaveStage(case, model.mesh, hydro=model.hydro).history()
-        seconds = time.process_time() - start
-    return seconds
+        seconds.append(time.process_time() - start)
+    return min(seconds)

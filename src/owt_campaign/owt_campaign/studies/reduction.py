@@ -96,8 +96,9 @@ def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
     cells = study_cells() if full else few_cells()
     others = further_seeds(cells, full=full)
     errors = table_errors(cells, others, samples=6000 if full else 1200, store=Store(), progress=progress)
-    models = {"spec": 3 * len(load_case_table() if full else cells)}
-    models |= {c: len({cluster_of(cell, c) for cell in cells}) for c in CLUSTERS}
+    table = list(load_case_table()) if full else cells
+    models = {"spec": 3 * len(table)}
+    models |= {c: len({cluster_of(cell, c) for cell in table}) for c in CLUSTERS}
     seconds, size = _times(cells[-1], 6000 if full else 600)
     return ReductionStudy(errors, _frequencies(), seconds, size, models)
 

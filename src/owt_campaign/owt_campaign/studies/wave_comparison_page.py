@@ -306,17 +306,17 @@ def _sections(found: WaveComparison, rows: list[Row], full: bool) -> list[str]:
     seconds = ", ".join(f"{wave} {value:.2f} s" for wave, value in found.seconds.items())
     return [
         _HEAD,
-        f"Runs: {runs}. Of each sea state the mean over its seeds counts. Ranges of stress ratios: what single "
-        "seeds differ in the sea states that all seeds ran.",
+        f"Runs: {runs}. Of each sea state the mean over its seeds counts. Ranges of stress ratios: what "
+        "single seeds differ in the sea states that all seeds ran.",
         "## Print and this code\n\n" + rows_table(rows),
         "## Which linear model\n\nIncrease in percent of the total stress by the second order, seed 1. "
         "Weights: *assumed*, the assumed wave rose with the heights of direction 330 degrees in every "
-        "direction; *published*, direction 330 degrees alone (table 4.4); *alike*, every cell the same."
-        "\n\n" + _linear_table(found),
+        "direction; *published*, direction 330 degrees alone (table 4.4); *alike*, every cell the same.\n\n"
+        + _linear_table(found),
         shown("stress", "total stress and its ratio over the members"),
-        "Constant extrapolation: all sea states run; Wheeler and Taylor: direction 330 degrees. "
-        "Legs filled, braces open; 1 to 3 are the members that the text looks at: the largest ratio, the "
-        "leg half way down, the heaviest.",
+        "Constant extrapolation: all sea states run; Wheeler and Taylor: direction 330 degrees. Legs "
+        "filled, braces open; 1 to 3 are the members that the text looks at: the largest ratio, the leg "
+        "half way down, the heaviest.",
         "## Ranges and spectra\n\n" + shown("ranges", "ranges of the heaviest leg"),
         shown("spectra", "spectra of the stress in focus member 2"),
         "Normal stress by the normal force, linear waves, Hs 1.5 m from 330 degrees, as in appendix D.",
@@ -337,13 +337,11 @@ def _verdict(found: WaveComparison, rows: list[Row]) -> Verdict:
     why = (
         "In kind: the feet of the legs are the heaviest loaded, the largest increase is in a lightly loaded "
         f"member ({found.members.kind(int(np.nanargmax(ratio)))}), it is most pronounced in the small "
-        "ranges, "
-        "and the second order adds kinetic energy. In size: the legs rise by "
+        "ranges, and the second order adds kinetic energy. In size: the legs rise by "
         f"{percent(np.nanmedian(ratio[legs])):.1f} % in the median (print 2 to 3), members by "
         f"{percent(np.nanmin(ratio)):.1f} to {percent(np.nanmax(ratio)):.1f} % (print 1 to 6), with constant "
         "extrapolation of the linear waves and the assumed wave rose. It hangs on both, which are not "
-        "printed: "
-        "in direction 330 degrees alone the mean of the members is "
+        "printed: in direction 330 degrees alone the mean of the members is "
         + ", ".join(f"{value:+.1f} % over {wave.removeprefix('linear, ')}" for wave, value in alone.items())
         + " (seed 1). Kinetic energy of the highest sea state: a factor of "
         + ", ".join(f"{value:.1f} over {wave.removeprefix('linear, ')}" for wave, value in factor.items())

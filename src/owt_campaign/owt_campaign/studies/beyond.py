@@ -253,7 +253,7 @@ def proxies(damage: Mapping[Cell, float]) -> dict[str, Float[np.ndarray, " cell"
     """Ways to choose sea states before they are run, as weights that sum to 1.
 
     By probability alone; by probability times a power of Hs; and by probability times a regression of the
-    damage on Hs, Tp and direction, fitted to every twelfth cell (the pilot runs).
+    damage on Hs, Tp and direction, fitted to every thirteenth cell (the pilot runs).
     """
     cells = list(damage)
     share, hs = occurrence(cells), np.array([cell.hs_m for cell in cells])
@@ -272,7 +272,7 @@ def _regression(damage: Mapping[Cell, float]) -> Float[np.ndarray, " cell"]:
     cells = list(damage)
     columns = np.array([[1.0, np.log(cell.hs_m), np.log(cell.tp_s)] for cell in cells])
     log = np.log([damage[cell] for cell in cells])
-    pilot: Int[np.ndarray, " pilot"] = np.arange(0, len(cells), 12 if len(cells) > 36 else 1)
+    pilot: Int[np.ndarray, " pilot"] = np.arange(0, len(cells), 13 if len(cells) > 39 else 1)
     fit = np.linalg.lstsq(columns[pilot], log[pilot], rcond=None)[0]
     return np.asarray(np.exp(columns @ fit))
 

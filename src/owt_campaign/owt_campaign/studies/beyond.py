@@ -14,7 +14,7 @@ from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.reduction import further_seeds
 from owt_campaign.studies.reduction_runs import SPECIFIC, SeaErrors, table_errors
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, occurrence
+from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, occurrence, study_cells
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import StressRuns, thinned
 from owt_campaign.studies.wave_comparison import table_plan
@@ -135,10 +135,11 @@ class SeedScatter:
 
 def beyond_study(*, full: bool, progress: Progress) -> Beyond:
     """Run the study."""
-    cells = list(load_case_table()) if full else few_cells()
+    table_cells = list(load_case_table()) if full else few_cells()
+    cells = study_cells() if full else few_cells()
     samples, store = 6000 if full else 1200, Store()
-    runs = StressRuns(thinned(cells) if full else cells[:1], samples=samples, store=store)
-    table = run_table(runs, table_plan(cells, full=full), progress)["reference"]
+    runs = StressRuns(thinned(table_cells) if full else cells[:1], samples=samples, store=store)
+    table = run_table(runs, table_plan(table_cells, full=full), progress)["reference"]
     errors = table_errors(
         cells, further_seeds(cells, full=full), samples=samples, store=store, progress=progress
     )
@@ -252,7 +253,7 @@ def proxies(damage: Mapping[Cell, float]) -> dict[str, Float[np.ndarray, " cell"
     """Ways to choose sea states before they are run, as weights that sum to 1.
 
     By probability alone; by probability times a power of Hs; and by probability times a regression of the
-    damage on Hs, Tp and direction, fitted to every twelfth cell (the pilot runs).
+    damage on Hs, Tp and direction, fitted to every thirteenth cell (the pilot runs).
     """
     cells = list(damage)
     share, hs = occurrence(cells), np.array([cell.hs_m for cell in cells])
@@ -271,7 +272,7 @@ def _regression(damage: Mapping[Cell, float]) -> Float[np.ndarray, " cell"]:
     cells = list(damage)
     columns = np.array([[1.0, np.log(cell.hs_m), np.log(cell.tp_s)] for cell in cells])
     log = np.log([damage[cell] for cell in cells])
-    pilot: Int[np.ndarray, " pilot"] = np.arange(0, len(cells), 12 if len(cells) > 36 else 1)
+    pilot: Int[np.ndarray, " pilot"] = np.arange(0, len(cells), 13 if len(cells) > 39 else 1)
     fit = np.linalg.lstsq(columns[pilot], log[pilot], rcond=None)[0]
     return np.asarray(np.exp(columns @ fit))
 

@@ -20,7 +20,14 @@ from owt_campaign.studies.reduction_runs import (
     table_errors,
 )
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, cell_case, few_cells, load_case_table, published_cells
+from owt_campaign.studies.sea_table import (
+    Cell,
+    cell_case,
+    few_cells,
+    load_case_table,
+    published_cells,
+    study_cells,
+)
 from owt_campaign.studies.store import Store
 from owt_model.mesh import build_mesh
 from owt_model.structure import load_structure
@@ -86,11 +93,12 @@ class ReductionStudy:
 
 def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
     """Run the study."""
-    cells = list(load_case_table()) if full else few_cells()
+    cells = study_cells() if full else few_cells()
     others = further_seeds(cells, full=full)
     errors = table_errors(cells, others, samples=6000 if full else 1200, store=Store(), progress=progress)
-    models = {"spec": 3 * len(cells)}
-    models |= {c: len({cluster_of(cell, c) for cell in cells}) for c in CLUSTERS}
+    table = list(load_case_table()) if full else cells
+    models = {"spec": 3 * len(table)}
+    models |= {c: len({cluster_of(cell, c) for cell in table}) for c in CLUSTERS}
     seconds, size = _times(cells[-1], 6000 if full else 600)
     return ReductionStudy(errors, _frequencies(), seconds, size, models)
 

@@ -15,7 +15,16 @@ from owt_campaign.occurrence import table_occurrence
 from owt_campaign.studies.cases import study_case
 from owt_model.config import CaseConfig
 
-__all__ = ["WEIGHTS", "Cell", "cell_case", "few_cells", "load_case_table", "occurrence", "published_cells"]
+__all__ = [
+    "WEIGHTS",
+    "Cell",
+    "cell_case",
+    "few_cells",
+    "load_case_table",
+    "occurrence",
+    "published_cells",
+    "study_cells",
+]
 
 #: Direction of the only published scatter diagram (thesis table 4.4).
 PUBLISHED_DEG = 330.0
@@ -54,6 +63,12 @@ def published_cells() -> list[Cell]:
     return [cell for cell in load_case_table() if cell.from_deg == PUBLISHED_DEG]
 
 
+def study_cells() -> list[Cell]:
+    """What full versions of the studies run: every third sea state of the table, all of direction 330 deg."""
+    chosen = {*load_case_table()[::3], *published_cells()}
+    return [cell for cell in load_case_table() if cell in chosen]
+
+
 def few_cells() -> list[Cell]:
     """What reduced versions of the studies run: two heights of direction 330 deg, and one from 240 deg."""
     chosen = {(1.25, 330.0), (5.25, 330.0), (5.25, 240.0)}
@@ -68,7 +83,7 @@ def cell_case(cell: Cell, *, seed: int = 1, samples: int = 6000, **changes: Any)
 
 
 def occurrence(cells: Sequence[Cell], weights: str = "assumed") -> Float[np.ndarray, " cell"]:
-    """Probability of each cell among the given ones, which stand for all of their direction.
+    """Probability of each cell among the given ones, which stand for the table.
 
     Parameters
     ----------
@@ -81,10 +96,12 @@ def occurrence(cells: Sequence[Cell], weights: str = "assumed") -> Float[np.ndar
         return np.full(len(cells), 1.0 / len(cells))
     known = _probability()
     share = np.array([known[cell] for cell in cells])
-    origin = np.array([cell.from_deg for cell in cells])
-    for direction in set(origin.tolist()):
-        here, whole = origin == direction, sum(p for c, p in known.items() if c.from_deg == direction)
-        share[here] *= whole / share[here].sum() if share[here].any() else 0.0
+    published = np.array([cell.from_deg == PUBLISHED_DEG for cell in cells])
+    for here, whole in ((published, True), (~published, False)):
+        # All of the published direction may be run, and only some of the others: each keeps its share.
+        if share[here].any():
+            share[here] *= sum(p for c, p in known.items() if (c.from_deg == PUBLISHED_DEG) is whole)
+            share[here] /= sum(known[cell] for cell, mine in zip(cells, here, strict=True) if mine)
     if weights == "published":
-        share[origin != PUBLISHED_DEG] = 0.0
+        share[~published] = 0.0
     return np.asarray(share / share.sum())

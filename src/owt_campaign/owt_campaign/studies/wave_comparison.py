@@ -13,7 +13,7 @@ from scipy.signal import welch
 
 from owt_campaign.studies.cases import CUTOFFS, LINEAR, SECOND_ORDER, WAVE_MODELS
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, published_cells
+from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, published_cells, study_cells
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import STEP_S, Sea, StressRuns, leg_ends, thinned
 from owt_campaign.studies.wave_totals import Members, TableRuns, run_table
@@ -97,6 +97,11 @@ class WaveComparison:
     seconds: dict[str, float]
     mesh: Any
 
+    @property
+    def tried(self) -> list[str]:
+        """Linear models that the highest sea state ran."""
+        return list(dict.fromkeys(wave for wave, _ in self.peaks))
+
     def band_share(self, tp: float) -> dict[str, float]:
         """Share of the variance of the stress in the bands round the eigenfrequencies."""
         frequency, power = self.spectra[tp]
@@ -132,18 +137,21 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
 
 
 def table_plan(cells: Sequence[Cell], *, full: bool) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
-    """Runs of chapter 5: every third sea state of the table and all of direction 330 degrees, three seeds.
+    """Runs of chapter 5: all sea states of the table with seed 1, those of :func:`study_cells` with three.
 
-    All structures with seed 1, and with every seed those of direction 330 degrees, which the other linear
-    models run too.
+    The other structures run those of :func:`study_cells` with seed 1, and with every seed the sea states of
+    direction 330 degrees, which the other linear models run too.
     """
     structures, alone = ("reference", "damping", "frequency"), ("reference",)
     both, others = (SECOND_ORDER, LINEAR), [name for name in LINEARS if name != LINEAR]
     known = published_cells() if full else list(cells[-2:])
-    more = [cell for cell in cells[::3] if cell not in set(known)] if full else []
     plan: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = []
     if full:
-        plan += [(1, wave, [*more, *known], structures) for wave in both]
+        every = study_cells()
+        more = [cell for cell in every if cell not in set(known)]
+        rest = [cell for cell in cells if cell not in set(every)]
+        plan += [(1, wave, every, structures) for wave in both]
+        plan += [(1, wave, rest, alone) for wave in both]
         plan += [(seed, wave, known, structures) for seed in (2, 3) for wave in both]
         plan += [(seed, wave, more, alone) for seed in (2, 3) for wave in both]
     else:
@@ -186,10 +194,11 @@ def _spectrum(runs: StressRuns, tp: float, end: str) -> Float[np.ndarray, "2 fre
 
 
 def _load_seconds(runs: StressRuns, wave: str) -> float:
-    """CPU seconds of waves and loads of one sea state, the second time."""
+    """CPU seconds of waves and loads of one sea state, the least of several."""
     model, case = runs.model("reference"), runs.case(Sea(load_case_table()[-1], 1, wave))
-    for _ in range(2):
+    seconds = []
+    for _ in range(4):
         start = time.process_time()
         WaveStage(case, model.mesh, hydro=model.hydro).history()
-        seconds = time.process_time() - start
-    return seconds
+        seconds.append(time.process_time() - start)
+    return min(seconds)

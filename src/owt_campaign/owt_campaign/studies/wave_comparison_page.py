@@ -18,6 +18,9 @@ from owt_campaign.studies.wave_totals import by_member
 __all__ = ["NAME", "result", "run"]
 
 NAME = "wave-comparison"
+_CUTOFF = "4 omega_p"
+#: Members shorter than this in m are feet and stubs of the legs.
+_SHORT = 2.0
 _TITLE = "Second order against linear: thesis chapter 5.2, figures 5.1 to 5.4, table 5.1"
 _HEAD = """\
 Total stress of a member: sum of range times count of the von Mises stress (eq. 4.79) at its more stressed
@@ -96,8 +99,11 @@ def _focus(found: WaveComparison) -> dict[str, int]:
 
 
 def _seed_spread(found: WaveComparison, measure: Any) -> tuple[float, float]:
-    values = [measure(found.table.ratio(seed)) for seed in found.table.seeds(LINEAR)]
-    return min(values), max(values)
+    """Value of all runs, moved by what single seeds differ in the sea states that all of them ran."""
+    common = found.table.common(SECOND_ORDER, LINEAR)
+    values = np.array([measure(common.ratio(seed)) for seed in common.seeds(LINEAR)])
+    value = measure(found.table.ratio()) + values - values.mean()
+    return float(value.min()), float(value.max())
 
 
 def _stress_rows(found: WaveComparison) -> list[Row]:
@@ -118,8 +124,8 @@ def _stress_rows(found: WaveComparison) -> list[Row]:
     heavy_leg = members.leg[order[0]] and members.level[order[0]] < -20.0
     minor = total[most] / total.max()
     near = not members.leg[most] and abs(members.level[most]) < 20.0
-    focus = _focus(found)
-    rank = int(np.flatnonzero(order == focus["2"])[0]) + 1
+    long = [int(m) for m in order if _length(found, int(m)) > _SHORT]
+    half_way = members.leg[long[0]] and -30.0 < members.level[long[0]] < -5.0
     return [
         Row("increase of the legs, median", "5.2, figure 5.1c", "2 to 3", of_legs(ratio), "%",
             _seed_spread(found, of_legs), inside(of_legs(ratio), 2.0, 3.0, 0.5)),
@@ -133,9 +139,15 @@ def _stress_rows(found: WaveComparison) -> list[Row]:
             verdict="reproduced" if minor < 0.5 else "not"),
         Row("heaviest loaded member", "5.2, figure 5.1a", "the bottom part of one of the legs",
             members.kind(int(order[0])), verdict="reproduced" if heavy_leg else "partly"),
-        Row("rank of the heaviest leg half way down", "5.2, figure 5.1a", "2", str(rank),
-            verdict="reproduced" if rank <= 2 else "partly"),
+        Row("heaviest of the others, feet of the legs left out", "5.2, figure 5.1a",
+            "the same leg, half way down",
+            members.kind(long[0]), verdict="reproduced" if half_way else "partly"),
     ]  # fmt: skip
+
+
+def _length(found: WaveComparison, m: int) -> float:
+    ends = found.mesh.node_position[found.mesh.member_node[m]]
+    return float(np.linalg.norm(ends[1] - ends[0]))
 
 
 def _range_rows(found: WaveComparison) -> list[Row]:
@@ -178,13 +190,13 @@ def _spectrum_rows(found: WaveComparison) -> list[Row]:
         rows.append(
             Row(f"variance of the stress in focus member 2 at modes 1, 2 and at 3, 4, Tp {tp:g} s",
                 "5.2, figure 5.3", printed, f"{first:.1%} and {third:.2%}",
-                verdict="reproduced" if fits else "not")
+                verdict="reproduced" if fits else "partly")
         )  # fmt: skip
     return rows
 
 
 def _energy_rows(found: WaveComparison) -> list[Row]:
-    factor = [peak.factor[10.0] for peak in found.peaks[LINEAR, "4 omega_p"]]
+    factor = [peak.factor[10.0] for peak in found.peaks[LINEAR, _CUTOFF]]
     value = float(np.mean(factor))
     low, high = min(factor), max(factor)
     verdict: Outcome = "reproduced" if low <= 2.73 <= high else "partly" if value > 1.0 else "not"
@@ -294,15 +306,17 @@ def _sections(found: WaveComparison, rows: list[Row], full: bool) -> list[str]:
     seconds = ", ".join(f"{wave} {value:.2f} s" for wave, value in found.seconds.items())
     return [
         _HEAD,
-        f"Runs: {runs}.",
+        f"Runs: {runs}. Of each sea state the mean over its seeds counts. Ranges of stress ratios: what "
+        "single seeds differ in the sea states that all seeds ran.",
         "## Print and this code\n\n" + rows_table(rows),
         "## Which linear model\n\nIncrease in percent of the total stress by the second order, seed 1. "
-        "Weights: *assumed*, the occurrences of direction 330 degrees by wave height for every direction "
-        "(an assumption); *published*, direction 330 degrees alone (table 4.4); *alike*, every cell the "
-        "same.\n\n" + _linear_table(found),
+        "Weights: *assumed*, the assumed wave rose with the heights of direction 330 degrees in every "
+        "direction; *published*, direction 330 degrees alone (table 4.4); *alike*, every cell the same.\n\n"
+        + _linear_table(found),
         shown("stress", "total stress and its ratio over the members"),
-        "Legs filled, braces open; 1 to 3 are the members that the text looks at: the largest ratio, the "
-        "leg half way down, the heaviest.",
+        "Constant extrapolation: all sea states run; Wheeler and Taylor: direction 330 degrees. Legs "
+        "filled, braces open; 1 to 3 are the members that the text looks at: the largest ratio, the leg "
+        "half way down, the heaviest.",
         "## Ranges and spectra\n\n" + shown("ranges", "ranges of the heaviest leg"),
         shown("spectra", "spectra of the stress in focus member 2"),
         "Normal stress by the normal force, linear waves, Hs 1.5 m from 330 degrees, as in appendix D.",
@@ -318,14 +332,25 @@ def _sections(found: WaveComparison, rows: list[Row], full: bool) -> list[str]:
 
 def _verdict(found: WaveComparison, rows: list[Row]) -> Verdict:
     ratio, legs = found.table.ratio(), found.members.leg
-    low, high = _seed_spread(found, lambda values: percent(np.nanmax(values)))
-    factor = [peak.factor[10.0] for peak in found.peaks[LINEAR, "4 omega_p"]]
+    factor = {wave: np.mean([p.factor[10.0] for p in found.peaks[wave, _CUTOFF]]) for wave in found.tried}
+    alone = {  # medians of the legs
+        wave: percent(np.nanmedian(found.table.ratio(1, wave, weights="published")[legs])) for wave in LINEARS
+    }
+    alike = percent(np.nanmedian(found.table.ratio(1, weights="alike")[legs]))
     why = (
-        "With constant extrapolation of the linear waves the legs rise by "
-        f"{percent(np.nanmedian(ratio[legs])):.1f} % in the median and the most raised member, "
-        f"{found.members.kind(int(np.nanargmax(ratio)))}, by {percent(np.nanmax(ratio)):.1f} % ({low:.1f} to "
-        f"{high:.1f} over the seeds)."
+        "In kind: the feet of the legs are the heaviest loaded, the largest increase is in a lightly loaded "
+        f"member ({found.members.kind(int(np.nanargmax(ratio)))}), it is most pronounced in the small "
+        "ranges, and the second order adds kinetic energy. Not in size: with constant extrapolation of the "
+        "linear waves and the assumed wave rose the legs change by "
+        f"{percent(np.nanmedian(ratio[legs])):+.1f} % in the median (print 2 to 3), members by "
+        f"{percent(np.nanmin(ratio)):+.1f} to {percent(np.nanmax(ratio)):+.1f} % (print 1 to 6). It hangs on "
+        f"what is not printed: every sea state alike, the legs rise by {alike:.1f} %, since the second order "
+        "counts in high seas; in direction 330 degrees, whose occurrences are printed, they change by "
+        + ", ".join(f"{value:+.1f} % over {wave.removeprefix('linear, ')}" for wave, value in alone.items())
+        + " (seed 1): Wheeler stretching of the linear waves comes nearest. Kinetic energy of the highest sea "
+        "state: a factor of "
+        + ", ".join(f"{value:.1f} over {wave.removeprefix('linear, ')}" for wave, value in factor.items())
+        + "; the print, 2.73, lies between constant and Taylor."
     )
-    why += f" Kinetic energy: a factor of {np.mean(factor):.2f} ({min(factor):.2f} to {max(factor):.2f})."
     outcomes = {row.verdict for row in rows if row.verdict}
     return Verdict("reproduced" if outcomes == {"reproduced"} else "partly", why)

@@ -66,6 +66,12 @@ class TableRuns:
         """Cells that there are of a seed."""
         return list(self.records[seed, wave])
 
+    def common(self, *waves: str) -> TableRuns:
+        """The sea states that every seed of the given wave models ran."""
+        parts = {key: runs for key, runs in self.records.items() if key[1] in waves}
+        both = set.intersection(*(set(runs) for runs in parts.values()))
+        return TableRuns({key: {c: r for c, r in runs.items() if c in both} for key, runs in parts.items()})
+
     def total(
         self,
         wave: str,

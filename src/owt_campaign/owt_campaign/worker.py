@@ -53,6 +53,7 @@ class WorkerResult:
     data: bytes
     message: str
     seconds: float
+    cpu_seconds: float
     peak_memory_mib: float
     code: str
 
@@ -76,7 +77,7 @@ def compute_case(
     cluster : ClusterBasis, optional
         Load vectors that it shares with others.
     """
-    start, data, message = time.perf_counter(), b"", ""
+    start, used, data, message = time.perf_counter(), time.process_time(), b"", ""
     if cluster is not None and cluster.message:
         message = f"load vectors of its cluster: {cluster.message}"
     else:
@@ -85,7 +86,8 @@ def compute_case(
         except (Exception, MemoryError) as error:
             message = _message(error)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    return WorkerResult(data, message, time.perf_counter() - start, peak, code_hash())
+    spent = time.perf_counter() - start, time.process_time() - used
+    return WorkerResult(data, message, *spent, peak, code_hash())
 
 
 def compute_basis(cases: Sequence[CaseConfig], structure: str) -> ClusterBasis:

@@ -347,8 +347,8 @@ def _verdict(found: WaveComparison, rows: list[Row]) -> Verdict:
         f"what is not printed: every sea state alike, the legs rise by {alike:.1f} %, since the second order "
         "counts in high seas; in direction 330 degrees, whose occurrences are printed, they change by "
         + ", ".join(f"{value:+.1f} % over {wave.removeprefix('linear, ')}" for wave, value in alone.items())
-        + " (seed 1): Wheeler stretching of the linear waves comes nearest. Kinetic energy of the highest sea "
-        "state: a factor of "
+        + " (seed 1): Wheeler stretching of the linear waves comes nearest. Kinetic energy of the highest "
+        "sea state: a factor of "
         + ", ".join(f"{value:.1f} over {wave.removeprefix('linear, ')}" for wave, value in factor.items())
         + "; the print, 2.73, lies between constant and Taylor."
     )

@@ -250,7 +250,7 @@ def _cells(found: WaveComparison) -> list[list[float]]:
 def _factors(found: WaveComparison) -> dict[str, Any]:
     return {
         f"{wave}, {cutoff}": {
-            **{f"{half:g} s": [round(p.factor[half], 4) for p in peaks] for half in WINDOWS},
+            **{f"{2.0 * half:g} s": [round(p.factor[half], 4) for p in peaks] for half in WINDOWS},
             "whole record": [round(p.whole, 4) for p in peaks],
             "largest": [round(p.largest, 4) for p in peaks],
         }

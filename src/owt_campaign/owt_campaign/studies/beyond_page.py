@@ -116,7 +116,8 @@ def _sampling_rows(found: Beyond) -> list[Row]:
     needed, (best, number) = cells_for(found.cell_damage()), _best(found)
     total = len(found.cell_damage())
     return [
-        Row(f"sea states for the damage within 5 %, those of largest {best}", "7.3.1", None, f"{number} of {total}"),
+        Row(f"sea states for the damage within 5 %, those of largest {best}", "7.3.1", None,
+            f"{number} of {total}"),
         Row("draws for the same, sea states drawn by probability", "7.3.1", None,
             float(np.ceil(needed["probability"][0]))),
         Row("sea states of largest contribution that hold 95 % of the damage", "7.3.1", None,
@@ -261,15 +262,16 @@ def _verdict(found: Beyond) -> Verdict:
     best, number = _best(found)
     quality = estimate_quality(found.errors)
     covered = np.mean([values["covered"] for values in quality.values()])
-    outcome: Outcome = "reproduced" if found.seeds_of_table <= 3.0 else "partly"
+    outcome: Outcome = "reproduced" if found.seeds_of_table <= 3.0 and worst.factor > 1.0 else "partly"
     why = (
         "Nothing of this is printed but the three seeds. The second order changes the damage of the worst "
         f"hot spot by {100 * (worst.ratio - 1):+.1f} % and that of the joints by "
         f"{100 * (ratio.mean() - 1):+.1f} % on average (stress: {_stress_increase(found):+.1f} %): a load "
-        f"factor of {worst.factor:.3f}. The error estimate is not exceeded in {covered:.0%} of the runs. The "
-        f"{number} sea states of largest {best} give the damage within 5 %; drawing them at random takes "
-        f"more draws than the table has sea states. {np.ceil(found.seeds_of_table):.0f} seeds per sea state "
-        "give it within 5 %."
+        f"factor of {worst.factor:.3f}, so that the underestimation which 7.3.2 expects of linear waves is "
+        f"{'there' if worst.factor > 1.0 else 'not there'}. The error estimate is not exceeded in "
+        f"{covered:.0%} of the runs. The {number} sea states of largest {best} give the damage within 5 %; "
+        "drawing them at random takes more draws than the table has sea states. "
+        f"{np.ceil(found.seeds_of_table):.0f} seeds per sea state give it within 5 %."
     )
     return Verdict(outcome, why)
 

@@ -250,7 +250,7 @@ def _cells(found: WaveComparison) -> list[list[float]]:
 def _factors(found: WaveComparison) -> dict[str, Any]:
     return {
         f"{wave}, {cutoff}": {
-            **{f"{half:g} s": [round(p.factor[half], 4) for p in peaks] for half in WINDOWS},
+            **{f"{2.0 * half:g} s": [round(p.factor[half], 4) for p in peaks] for half in WINDOWS},
             "whole record": [round(p.whole, 4) for p in peaks],
             "largest": [round(p.largest, 4) for p in peaks],
         }
@@ -347,8 +347,8 @@ def _verdict(found: WaveComparison, rows: list[Row]) -> Verdict:
         f"what is not printed: every sea state alike, the legs rise by {alike:.1f} %, since the second order "
         "counts in high seas; in direction 330 degrees, whose occurrences are printed, they change by "
         + ", ".join(f"{value:+.1f} % over {wave.removeprefix('linear, ')}" for wave, value in alone.items())
-        + " (seed 1): Wheeler stretching of the linear waves comes nearest. Kinetic energy of the highest sea "
-        "state: a factor of "
+        + " (seed 1): Wheeler stretching of the linear waves comes nearest. Kinetic energy of the highest "
+        "sea state: a factor of "
         + ", ".join(f"{value:.1f} over {wave.removeprefix('linear, ')}" for wave, value in factor.items())
         + "; the print, 2.73, lies between constant and Taylor."
     )

@@ -29,7 +29,7 @@ TABLE, LARGE, CLUSTER = 507, 10_000, 64
 
 @dataclass(frozen=True)
 class Run:
-    """What one way of running gave: s from the first case to the last, of the start, and of the client's CPU."""
+    """What one way gave; in s: from the first case to the last, the start, processor time of the client."""
 
     wall: float
     start: float

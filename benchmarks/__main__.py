@@ -14,7 +14,10 @@ import platform
 import sys
 from pathlib import Path
 
+from benchmarks.campaign import bench_campaign
 from benchmarks.chain import bench_rainflow, bench_structure
+from benchmarks.engine import bench_engine
+from benchmarks.fatigue import bench_fatigue
 from benchmarks.graph import bench_graph
 from benchmarks.measure import Table, matmul_seconds
 from benchmarks.processes import bench_commands, bench_demo
@@ -25,17 +28,26 @@ PARTS = {
     "long": bench_long,
     "structure": bench_structure,
     "rainflow": bench_rainflow,
+    "engine": bench_engine,
+    "fatigue": bench_fatigue,
     "commands": bench_commands,
     "graph": bench_graph,
+    "campaign": bench_campaign,
     "demo": bench_demo,
 }
 
+#: Parts that run only if they are named.
+ON_REQUEST = ("graph", "campaign", "demo")
+
 
 def main() -> int:
-    """Run the parts asked for; all but the demo if none is."""
+    """Run the parts asked for; all but those on request if none is."""
     parser = argparse.ArgumentParser(prog="owt bench", description=__doc__)
     parser.add_argument(
-        "part", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all but graph and demo if none"
+        "part",
+        nargs="*",
+        metavar="PART",
+        help=f"of {', '.join(PARTS)}; all but {', '.join(ON_REQUEST)} if none",
     )
     parser.add_argument("--demo", action="store_true", help="also time the graph")
     parser.add_argument("-o", "--output", type=Path, help="JSON file to write")
@@ -43,7 +55,7 @@ def main() -> int:
     unknown = [part for part in options.part if part not in PARTS]
     if unknown:
         parser.error(f"no part {unknown[0]!r}; parts are {', '.join(PARTS)}")
-    chosen = options.part or [part for part in PARTS if part not in ("graph", "demo")]
+    chosen = options.part or [part for part in PARTS if part not in ON_REQUEST]
     if options.demo and "demo" not in chosen:
         chosen.append("demo")
     table = Table(matmul_seconds())

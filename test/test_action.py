@@ -221,7 +221,7 @@ def test_cancelling_closes_the_bag_and_another_goal_meanwhile_is_rejected(
     began = time.monotonic()
     assert operator.wait(handle.cancel_goal_async()).goals_canceling
     state, result = operator.result(handle)
-    assert time.monotonic() - began < 4.0
+    assert time.monotonic() - began < 10.0, "not the minute of the run"
     assert (state, result.status) == (GoalStatus.STATUS_CANCELED, Status.CANCELLED)
     assert result.message == "cancelled"
     assert result.bag == str(partial_path(bag))
@@ -241,7 +241,7 @@ def test_cancelling_while_the_nodes_compute_ends_them(place: tuple[Child, Operat
     nodes, began = nodes_of(server), time.monotonic()
     assert operator.wait(handle.cancel_goal_async()).goals_canceling
     state, result = operator.result(handle)
-    assert time.monotonic() - began < 4.0
+    assert time.monotonic() - began < 10.0, "sooner than it is configured"
     assert (state, result.status) == (GoalStatus.STATUS_CANCELED, Status.CANCELLED)
     assert len(nodes) == 3
     assert not any(Path(f"/proc/{pid}").exists() for pid in nodes.values())

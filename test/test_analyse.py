@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow.parquet
 import pytest
 
 from bag_tools import RECEIVED_NS, begin, rewrite, run_messages, write_run
@@ -191,12 +192,29 @@ def test_a_folder_of_bags(
     assert main(["analyse", str(several), *arguments]) == 1
     out, err = capsys.readouterr()
     place = tmp_path / "out" if output else several
-    assert [line.split(":")[0] for line in out.splitlines()] == [".begun.partial", "good"]
+    assert [line.split(":")[0] for line in out.splitlines()] == [".begun.partial", "good", "all together"]
     assert read(place / "good") == wanted
     assert not read(place / "begun.partial")["fatigue"]["complete"]
     assert "error: bad: /owt/fatigue, block 7: damage [" in err
     assert err.splitlines()[-1] == "error: 1 of 3 bags failed: bad"
     assert not (place / "bad" / "summary.json").exists()
+    # All together: the damage of each spot is added up, what failed is named.
+    together = read(place)
+    (group,) = together["groups"]
+    assert [record["name"] for record in group["records"]] == [".begun.partial", "good"]
+    assert list(together["failed"]) == ["bad"]
+    assert group["max_damage"] > wanted["fatigue"]["max_damage"]
+    parts = [
+        pyarrow.parquet.read_table(place / name / "hot_spots.parquet") for name in ("begun.partial", "good")
+    ]
+    whole = pyarrow.parquet.read_table(place / "hot_spots.parquet")
+    added = sum(part["damage"].to_numpy() for part in parts)
+    np.testing.assert_allclose(
+        whole["damage"].to_numpy(), added, rtol=1e-12
+    )  # two terms, round-off of the sum
+    page = (place / "report.html").read_text()
+    assert "bad failed and is not counted" in page
+    assert 'href="good/report.html"' in page
 
 
 def test_a_folder_without_bags_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -114,7 +115,10 @@ def test_two_graphs_in_one_domain_give_the_numbers_of_one_process_each(tmp_path:
         blocks = len(recorded["/owt/energy"])
         assert {c.topic for c in heard[CREDIT.name]} >= {"/owt/nodal_loads", "/owt/energy"}, "as they are"
         assert max(c.sequence for c in heard[CREDIT.name]) == blocks - 1
-        assert len(heard[CLOCK.name]) == blocks
+        ticks, loads = heard[CLOCK.name], recorded["/owt/nodal_loads"]
+        assert ticks, "all of them, from when the listener was found"
+        for tick, load in zip(ticks, loads[-len(ticks) :], strict=True):
+            assert (tick.clock.sec, tick.clock.nanosec) == (load.header.stamp.sec, load.header.stamp.nanosec)
         assert {m.node for m in heard[STATUS.name]} == {WAVE, STRUCTURE, POSTPROC}
         assert heard[DIAGNOSTICS.name]
     assert not any(found for (place, _), found in listener.heard.items() if place == "/")
@@ -138,6 +142,17 @@ def test_shared_memory_of_another_graph_is_left_alone(tmp_path: Path, domain: in
         other.kill()
     remove_shared_memory(segments)
     assert not any(path.exists() for path in segments)
+
+
+def test_nodes_that_end_give_their_shared_memory_back(tmp_path: Path, domain: int) -> None:
+    with node_processes(short_case(), tmp_path, {**os.environ, "ROS_DOMAIN_ID": str(domain)}) as nodes:
+        deadline = time.monotonic() + 60.0
+        while any(len(shared_memory_of(node.pid)) < 2 for node in nodes.values()):
+            assert time.monotonic() < deadline, "they use no shared memory"
+            time.sleep(0.05)
+        segments = set().union(*(shared_memory_of(node.pid) for node in nodes.values()))
+    assert {name: node.exit_code for name, node in nodes.items()} == dict.fromkeys(nodes, 0)
+    assert not any(segment.exists() for segment in segments)
 
 
 def test_a_second_graph_in_the_same_place_is_refused_and_the_first_goes_on(

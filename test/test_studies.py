@@ -71,9 +71,12 @@ def test_a_readme_of_somebody_else_is_left_alone(study, tmp_path: Path) -> None:
     assert (tmp_path / "README.md").read_text() == "mine"
 
 
-def test_list_and_a_missing_name(capsys) -> None:
+def test_list_and_a_missing_name(capsys, tmp_path: Path) -> None:
     assert main(["study", "--list"]) == 0
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(STUDIES)
+    assert main(["study", "--list", "-o", str(tmp_path)]) == 0
+    assert (tmp_path / "README.md").read_text().startswith(INDEX_TITLE)
+    capsys.readouterr()
     assert main(["study"]) == 1
     assert capsys.readouterr().err.startswith("error: study = None")
 

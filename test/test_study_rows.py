@@ -12,6 +12,7 @@ import pytest
 from owt_campaign.engine import evaluate_case, prepare_model
 from owt_campaign.studies import interpolation, load_case_table, load_vectors, usfos, wind
 from owt_campaign.studies.cases import LINEAR, SECOND_ORDER, study_case
+from owt_campaign.studies.registry import run_study
 from owt_campaign.studies.sea_table import load_case_table as table_cells
 from owt_campaign.studies.total_stress import total_stress
 from owt_model.errors import InputError
@@ -121,3 +122,13 @@ def test_load_vectors() -> None:
     named = {f"{base}nn {tolerance:g}": n for (base, tolerance), n in found.by_energy.items()}
     assert named == kept["by_energy"]
     assert found.first == pytest.approx(kept["first_share"], rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["usfos", "interpolation", "load-case-table", "wind", "load-vectors"])
+def test_reduced_version_runs_to_its_verdict(name: str) -> None:
+    """What `./owt study NAME` shows without --full, its figures drawn."""
+    result = run_study(name)
+    assert "Reduced version" in result.page
+    assert result.verdict.why in result.page
+    for draw in result.figures.values():
+        assert draw().axes

@@ -261,7 +261,8 @@ def test_nobody_outside_this_machine_is_served(domain: int, tmp_path: Path) -> N
         listening = [row.split()[1] for row in table if row.split()[3] == "0A"]
         assert [place for place in listening if place.endswith(f":{port:04X}")] == [f"0100007F:{port:04X}"]
         assert viewer.exit_code is None
-        second = view(short_case(), domain, tmp_path, port=port)
+        (tmp_path / "second").mkdir()
+        second = view(short_case(), domain, tmp_path / "second", port=port)
         assert second.wait(60.0)
         assert second.exit_code == 1
         assert "cannot be served on 127.0.0.1" in second.last_line

@@ -7,19 +7,20 @@ from pathlib import Path
 
 from owt_bringup.output import prepare_folder
 from owt_bringup.recompute import Recomputation, block_source
-from owt_bringup.results import print_table, write_results
+from owt_bringup.results import print_table, write_records, write_results
 from owt_model.errors import InputError, OwtError
 from owt_postproc.bag_report import bag_report
 from owt_postproc.bag_source import BagSource
 from owt_postproc.fatigue_check import FatigueCheck
 from owt_postproc.report import head_figures
 from owt_postproc.report_data import ReportData
+from owt_postproc.report_records import Records
 
 __all__ = ["analyse", "analyse_all", "bags_in", "run_analysis"]
 
 
 def analyse(bag: Path, output: Path | None = None) -> tuple[ReportData, Path, list[str]]:
-    """Write ``summary.json`` and ``report.html`` of one bag.
+    """Write ``summary.json``, ``report.html`` and the tables of one bag.
 
     Parameters
     ----------
@@ -56,6 +57,7 @@ def analyse(bag: Path, output: Path | None = None) -> tuple[ReportData, Path, li
         notes += [*again.notes, found + turned]
     if check.blocks:
         notes.append(f"cycles counted again: equal the recorded fatigue {check.deviation}")
+    notes += data.fatigue.hot_spots.warnings
     return data, folder, notes
 
 
@@ -82,28 +84,33 @@ def bags_in(folder: Path) -> list[Path]:
 
 
 def analyse_all(bags: list[Path], output: Path | None) -> int:
-    """Analyse each bag into a folder of its own, a line each; return how many failed.
+    """Analyse each bag into a folder of its own, and all together; a line each; return how many failed.
 
     Parameters
     ----------
     bags : list of Path
-        Bag folders.
+        Bag folders that lie in one folder.
     output : Path, optional
-        Folder for theirs; by default each has its usual place.
+        Folder for theirs and for what they give together; by default each has its usual place, and
+        what they give together lies beside them.
     """
-    failed = []
+    records = Records()
     for bag in bags:
         name = bag.name
         try:
             data, folder, notes = analyse(bag, None if output is None else output / name.removeprefix("."))
         except OwtError as error:
             print(f"error: {name}: {' '.join(str(error).split())}", file=sys.stderr)
-            failed.append(name)
+            records.fail(name, " ".join(str(error).split()))
             continue
+        records.add(name, data, folder / "report.html")
         result = f"largest damage {data.fatigue.damage.max():.3g} at {data.end_name}"
         print(f"{name}: {result} in {data.fatigue.duration_s:g} s, {folder}")
         for note in notes:
             print(f"note: {name}: {note}", file=sys.stderr)
+    for page in write_records(records, prepare_folder(output or bags[0].parent)):
+        print(f"all together: {page}")
+    failed = records.failed
     if failed:
         print(f"error: {len(failed)} of {len(bags)} bags failed: {', '.join(failed)}", file=sys.stderr)
     return len(failed)

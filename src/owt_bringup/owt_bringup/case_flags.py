@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
@@ -41,8 +42,8 @@ def _parser_of(annotation: Any) -> type:
     return kinds[0] if kinds[0] in (int, float, str) else str
 
 
-def add_case_flags(parser: argparse.ArgumentParser) -> None:
-    """Declare ``--case``, ``--duration`` and one flag per entry of FLAGS."""
+def add_case_flags(parser: argparse.ArgumentParser, *, without: Collection[str] = ()) -> None:
+    """Declare ``--case``, ``--duration`` and one flag per entry of FLAGS, but for those in `without`."""
     default = CaseConfig()
     parser.add_argument(
         "--case", type=Path, metavar="CASE.json", help="case file; flags change what it says"
@@ -52,6 +53,9 @@ def add_case_flags(parser: argparse.ArgumentParser) -> None:
         help=f"simulated time in s (default {default.time.duration_s:g}, or that of the case file)",
     )  # fmt: skip
     for flag, (_, name, model) in FLAGS.items():
+        if flag in without:
+            parser.set_defaults(**{flag: None})
+            continue
         field = model.model_fields[name]
         shown = "by eq. 4.80" if field.default is None else field.default
         parser.add_argument(

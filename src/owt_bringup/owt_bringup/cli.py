@@ -22,6 +22,8 @@ COMMANDS = {
     "loads": "owt_bringup.commands.loads",
     "eigen": "owt_bringup.commands.eigen",
     "simulate": "owt_bringup.commands.simulate",
+    "campaign": "owt_bringup.commands.campaign",
+    "table": "owt_bringup.commands.table",
     "superelement": "owt_bringup.commands.superelement",
     "study": "owt_bringup.commands.study",
     "analyse": "owt_bringup.commands.analyse",

@@ -25,6 +25,8 @@ ALLOWED_DEATHS = 2
 #: Calls submitted per thread of the cluster: one that runs and those that wait beside it.
 IN_FLIGHT = 2
 CONNECT_TIMEOUT = 10.0
+#: Variables that hold the threads of the libraries in a worker, and of this project.
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OWT_THREADS")
 
 
 class WorkerLostError(ComputationError):
@@ -109,9 +111,7 @@ class DaskPool:
 
         settings = {
             # The same bits and no quarrel over processors: one thread of every library in each worker.
-            "distributed.nanny.pre-spawn-environ": dict.fromkeys(
-                ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-            ),
+            "distributed.nanny.pre-spawn-environ": dict.fromkeys(THREADS, "1"),
             "distributed.scheduler.allowed-failures": ALLOWED_DEATHS,
             "distributed.comm.timeouts.connect": f"{CONNECT_TIMEOUT:g}s",
             "distributed.admin.log-format": "%(name)s: %(message)s",

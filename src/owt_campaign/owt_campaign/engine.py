@@ -11,7 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from owt_campaign.clusters import CLUSTERS, cluster_basis, cluster_label, clusters
+from owt_campaign.clusters import (
+    CLUSTERS,
+    cluster_basis,
+    cluster_label,
+    cluster_part,
+    clusters,
+    join_cluster,
+)
 from owt_campaign.kept_series import SeriesKeeper
 from owt_campaign.pipeline import StageClock
 from owt_campaign.shared_model import (
@@ -41,8 +48,10 @@ __all__ = [
     "SharedModel",
     "cluster_basis",
     "cluster_label",
+    "cluster_part",
     "clusters",
     "evaluate_case",
+    "join_cluster",
     "model_key",
     "prepare_model",
 ]
@@ -88,7 +97,7 @@ class CaseOutcome:
     series : dict of arrays
         What was asked to be kept, by the name that it was asked by.
     reduction, notes : str, tuple of str
-        The reduction in use, and what is to be said of it.
+        The reduction in use, and what is to be said of it and of the hot spots.
     """
 
     case: CaseConfig
@@ -154,7 +163,7 @@ def evaluate_case(
         stage_seconds=clock.seconds,
         series=keeper.series(),
         reduction=response.description.reduction,
-        notes=response.description.notes,
+        notes=(*response.description.notes, *model.fatigue.hot_spots.notes),
     )
 
 

@@ -9,6 +9,7 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError
@@ -19,7 +20,11 @@ __all__ = ["FORMAT", "case_key", "code_hash", "structure_hash"]
 #: Counts up when a result file changes its meaning.
 FORMAT = 1
 #: Parts of a case that change no number of its outcome.
-WITHOUT_EFFECT = ("stream", "points_m")
+WITHOUT_EFFECT: Any = {
+    "stream": True,
+    "points_m": True,
+    "fatigue": {"design_life_years", "design_fatigue_factor"},
+}
 #: What computes an outcome: sources of these packages and folders, and the versions of these libraries.
 SOURCES = (
     ("owt_model", ("*.py", "structures/*")),
@@ -85,7 +90,7 @@ def case_key(case: CaseConfig, structure: str, *, basis: str = "", keep: Iterabl
     content = {
         "format": FORMAT,
         "code": code_hash(),
-        "case": case.model_dump(mode="json", exclude=set(WITHOUT_EFFECT)),
+        "case": case.model_dump(mode="json", exclude=WITHOUT_EFFECT),
         "files": {name: _file_hash(name, path) for name, path in _files(case)},
         "structure": structure,
         "basis": basis,
@@ -102,6 +107,8 @@ def _files(case: CaseConfig) -> Iterator[tuple[str, str]]:
         yield "measured.path", case.measured.path
     if case.wind is not None and case.wind.series is not None:
         yield "wind.series.path", case.wind.series.path
+    if case.fatigue.sn_file is not None:
+        yield "fatigue.sn_file", case.fatigue.sn_file
 
 
 def _file_hash(field: str, path: str) -> str:

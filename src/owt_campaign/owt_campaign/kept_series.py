@@ -84,13 +84,14 @@ class SeriesKeeper:
         if name == "force":
             return np.asarray(load.nodal[:, :3].sum(axis=0).T)
         if name == "coordinate":
-            return motion.displacement @ model.coordinate
+            return np.asarray(motion.displacement @ model.coordinate)
         if name == "tower_top":
             top = model.description.tower_top_coordinate
-            return motion.displacement @ model.coordinate[:, top : top + 3]
+            return np.asarray(motion.displacement @ model.coordinate[:, top : top + 3])
         reported = slice(0, len(model.description.frequency_hz))
         if name == "potential_mode":
-            return 0.5 * (model.oscillators.stiffness * motion.displacement**2)[:, reported]
+            energy = 0.5 * model.oscillators.stiffness * motion.displacement**2
+            return np.asarray(energy[:, reported])
         if name == "kinetic_mode":
             return np.asarray(0.5 * motion.velocity[:, reported] ** 2)
         return np.asarray(getattr(piece, name))

@@ -47,8 +47,8 @@ class LoadCase:
         Sea state, its direction as metocean tables give it; NaN where the cell is no number.
     extra : mapping
         The other columns, as text.
-    problem : str
-        What is wrong with the row; empty if nothing is.
+    problem : InputError, optional
+        What is wrong with the row.
     """
 
     row: int
@@ -56,7 +56,7 @@ class LoadCase:
     direction_deg: float
     tp_s: float
     extra: Mapping[str, str] = field(default_factory=dict)
-    problem: str = ""
+    problem: InputError | None = None
 
     @property
     def label(self) -> str:
@@ -167,7 +167,7 @@ def german_bight() -> LoadCaseTable:
 
 
 def _row(number: int, cells: dict[str, str]) -> LoadCase:
-    values, problem = [], ""
+    values, problem = [], None
     for name in COLUMNS:
         text = cells.pop(name)
         try:
@@ -176,9 +176,8 @@ def _row(number: int, cells: dict[str, str]) -> LoadCase:
             value = math.nan
         if not math.isfinite(value):
             value = math.nan
-            problem = problem or str(
-                InputError(f"row {number}, {name}", text, "must be a finite number", "Check the cell.")
-            )
+            refused = InputError(f"row {number}, {name}", text, "must be a finite number", "Check the cell.")
+            problem = problem or refused
         values.append(value)
     hs, direction, tp = values
     return LoadCase(number, hs, direction, tp, extra=cells, problem=problem)
@@ -205,8 +204,8 @@ def case_of(
     InputError
         If the row is spoiled, or the configuration refuses the case.
     """
-    if row.problem:
-        raise InputError(f"row {row.row}", [row.hs_m, row.direction_deg, row.tp_s], row.problem, "")
+    if row.problem is not None:
+        raise row.problem
     data: dict[str, Any] = json.loads(json.dumps(dict(base or {})))
     if not 0.0 <= row.direction_deg <= 360.0:
         raise InputError(

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from owt_campaign.load_cases import LoadCase, LoadCaseTable, read_csv, shipped_table
+from owt_campaign.load_cases import LoadCaseTable, read_csv, shipped_table
 from owt_campaign.scatter import Scatter, read_scatter
 from owt_model.errors import InputError
 
@@ -125,7 +125,9 @@ def table_occurrence(table: LoadCaseTable, rose: WaveRose | None = None) -> Occu
     probability = np.zeros(len(table.rows))
     for sector, share in enumerate(rose.share):
         places = [
-            i for i, row in enumerate(table.rows) if _usable(row) and rose.sector(row.direction_deg) == sector
+            i
+            for i, row in enumerate(table.rows)
+            if row.problem is None and rose.sector(row.direction_deg) == sector
         ]
         probability[places] = share * _height_shares([table.rows[i].hs_m for i in places], heights)
     return Occurrence(
@@ -133,10 +135,6 @@ def table_occurrence(table: LoadCaseTable, rose: WaveRose | None = None) -> Occu
         f"ASSUMED: shares of directions of {rose.name}; heights in each as in thesis table 4.4 (330 deg)",
         assumed=True,
     )
-
-
-def _usable(row: LoadCase) -> bool:
-    return not row.problem
 
 
 def _height_shares(heights: list[float], scatter: Scatter) -> Float[np.ndarray, " place"]:

@@ -53,7 +53,7 @@ def decode_outcome(data: bytes) -> CaseOutcome:
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
         outcome = _rebuilt(json.loads(arrays.pop(TREE).tobytes().decode()), arrays)
-    except (ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile, AttributeError) as error:
+    except (EOFError, ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile, AttributeError) as error:
         raise ComputationError(f"not the result of a case ({type(error).__name__}: {error}).") from None
     if not isinstance(outcome, CaseOutcome):
         raise ComputationError("not the result of a case (another object).")

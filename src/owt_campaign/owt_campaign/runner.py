@@ -42,7 +42,7 @@ class CaseRecord:
         Why it failed.
     reused : bool
         Whether the outcome was found in the store.
-    seconds, peak_memory_mib : float
+    seconds, cpu_seconds, peak_memory_mib : float
         What it took, in its worker; zero where reused.
     data : bytes
         The outcome as result_file.py encodes it.
@@ -55,6 +55,7 @@ class CaseRecord:
     message: str = ""
     reused: bool = False
     seconds: float = 0.0
+    cpu_seconds: float = 0.0
     peak_memory_mib: float = 0.0
     data: bytes = field(default=b"", repr=False)
 
@@ -236,6 +237,7 @@ def _record(done: Done[_Job, WorkerResult], store: ResultStore | None) -> CaseRe
         job.key,
         "done",
         seconds=result.seconds,
+        cpu_seconds=result.cpu_seconds,
         peak_memory_mib=result.peak_memory_mib,
         data=result.data,
     )

@@ -20,7 +20,7 @@ from jaxtyping import Float
 from owt_campaign.load_cases import LoadCase, LoadCaseTable, read_csv
 from owt_model.errors import InputError
 
-__all__ = ["METHODS", "Method", "Scatter", "build_table", "read_scatter", "table_text"]
+__all__ = ["METHODS", "Method", "Scatter", "build_table", "is_scatter", "read_scatter", "table_text"]
 
 Method = Literal["weighted-tp", "weighted-hs", "full"]
 METHODS: tuple[Method, ...] = ("weighted-tp", "weighted-hs", "full")
@@ -57,6 +57,18 @@ class Scatter:
     def centre(self) -> Float[np.ndarray, " height"]:
         """Centres of the bins of the significant wave height in m."""
         return np.asarray(self.height.mean(axis=1))
+
+
+def is_scatter(path: str | Path) -> bool:
+    """Whether a CSV file has the heading of a scatter diagram.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    head, _, _ = read_csv(path, what="table")
+    return all(name in head for name in LIMITS)
 
 
 def read_scatter(path: str | Path, *, direction_deg: float | None = None) -> Scatter:

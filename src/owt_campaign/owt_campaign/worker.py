@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import resource
+import threading
 import time
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -32,6 +33,8 @@ __all__ = ["MODELS", "ClusterBasis", "WorkerResult", "compute_basis", "compute_c
 MODELS = 4
 
 _models: OrderedDict[tuple[str, str, str], SharedModel] = OrderedDict()
+#: A worker of another scheduler may have several threads.
+_lock = threading.RLock()
 
 
 @dataclass(frozen=True)
@@ -50,6 +53,7 @@ class WorkerResult:
     data: bytes
     message: str
     seconds: float
+    cpu_seconds: float
     peak_memory_mib: float
     code: str
 
@@ -73,7 +77,7 @@ def compute_case(
     cluster : ClusterBasis, optional
         Load vectors that it shares with others.
     """
-    start, data, message = time.perf_counter(), b"", ""
+    start, used, data, message = time.perf_counter(), time.process_time(), b"", ""
     if cluster is not None and cluster.message:
         message = f"load vectors of its cluster: {cluster.message}"
     else:
@@ -82,7 +86,8 @@ def compute_case(
         except (Exception, MemoryError) as error:
             message = _message(error)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    return WorkerResult(data, message, time.perf_counter() - start, peak, code_hash())
+    spent = time.perf_counter() - start, time.process_time() - used
+    return WorkerResult(data, message, *spent, peak, code_hash())
 
 
 def compute_basis(cases: Sequence[CaseConfig], structure: str) -> ClusterBasis:
@@ -103,16 +108,17 @@ def _evaluate(
 def _prepared(case: CaseConfig, structure: str, cluster: ClusterBasis | None) -> SharedModel:
     """The model of a case, prepared by the first case that needs it."""
     key = (model_key(case), structure, "" if cluster is None else cluster.token)
-    model = _models.get(key)
-    if model is None:
-        if cluster is None:
-            model = prepare_model(case)
-        else:
-            model = _prepared(case, structure, None).with_basis(case, cluster.basis)
-        _models[key] = model
-        while len(_models) > MODELS:
-            _models.popitem(last=False)
-    _models.move_to_end(key)
+    with _lock:
+        model = _models.get(key)
+        if model is None:
+            if cluster is None:
+                model = prepare_model(case)
+            else:
+                model = _prepared(case, structure, None).with_basis(case, cluster.basis)
+            _models[key] = model
+            while len(_models) > MODELS:
+                _models.popitem(last=False)
+        _models.move_to_end(key)
     return model
 
 

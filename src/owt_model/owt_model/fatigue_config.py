@@ -66,19 +66,18 @@ class Fatigue(Frozen):
     )
     hot_spots: Literal["efthymiou", "nominal"] = Field(
         "efthymiou",
-        description="stress that is counted: hot-spot stress where braces meet chords, or the nominal stress of "
-        "all ends",
+        description="stress that is counted: hot-spot stress of tubular joints, or nominal stress only",
     )
     scf: float = Field(
         1.0,
         ge=1.0,
         le=50.0,
-        description="stress concentration factor on the nominal stress of walls, wherever no tubular connection is",
+        description="stress concentration factor on the nominal stress of walls away from tubular joints",
     )
     scf_range: Literal["report", "larger", "clamp", "refuse"] = Field(
         "report",
-        description="geometry outside the range of the equations: used and reported, the larger of it and of the "
-        "limits, the limits, or an error",
+        description="geometry outside the range of the equations: taken and reported, the larger of it and "
+        "the limits, the limits, or an error",
     )
     scf_minimum: float = Field(
         1.5, ge=0.0, le=10.0, description="least stress concentration factor by Efthymiou's equations"
@@ -92,6 +91,12 @@ class Fatigue(Frozen):
         ge=0.5,
         le=1.0,
         description="fixity C of the chord's ends, 0.5 fixed to 1 pinned, with its length",
+    )
+    design_life_years: float = Field(
+        25.0, gt=0.0, le=1000.0, description="design life in years, for the utilisation that reports show"
+    )
+    design_fatigue_factor: float = Field(
+        3.0, ge=1.0, le=100.0, description="factor on damage in the utilisation that reports show"
     )
     joints: dict[str, JointChoice] = Field(
         default_factory=dict,

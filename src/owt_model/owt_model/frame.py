@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -48,7 +49,7 @@ class Frame:
         """Joint of each member end."""
         return self.member_node.reshape(-1)
 
-    @property
+    @cached_property
     def end_name(self) -> tuple[str, ...]:
         """Name ``member:joint`` of each member end."""
         names = (name for name in self.member_name for _ in range(2))

@@ -5,8 +5,8 @@ The producer of the loads and the reduction both speak of this basis, so it live
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -17,7 +17,15 @@ from owt_model.block_lanczos import leading_shapes
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 
-__all__ = ["BANDS", "Scatter", "clustered_basis", "load_basis"]
+__all__ = [
+    "BANDS",
+    "CaseScatter",
+    "Scatter",
+    "case_scatter",
+    "clustered_basis",
+    "joined_basis",
+    "load_basis",
+]
 
 #: Largest residual |X v - sigma u| / sigma_1 of a Lanczos vector that is accepted.
 TOLERANCE = 1e-11
@@ -120,25 +128,87 @@ def clustered_basis(
     InputError
         If there is no case, or one has other nodes.
     """
-    scatter, means, snapshots = Scatter(), [], 0
-    for nodal in histories:
-        if nodal.shape[1] != len(node):
-            raise InputError(
-                "load history", nodal.shape[1], f"must have {len(node)} nodes, as the others", "Use one mesh."
-            )
-        mean = nodal.mean(axis=0)
-        fluctuation = nodal - mean
-        norm = float(np.linalg.norm(fluctuation))
-        scatter.add(fluctuation / norm if norm > 0.0 else fluctuation)
-        means.append(mean)
-        snapshots += len(nodal)
-    if not means:
+
+    def parts() -> Iterator[CaseScatter]:
+        for nodal in histories:
+            if nodal.shape[1] != len(node):
+                raise InputError(
+                    "load history",
+                    nodal.shape[1],
+                    f"must have {len(node)} nodes, as the others",
+                    "Use one mesh.",
+                )
+            yield case_scatter(nodal)
+
+    return joined_basis(parts(), node, n_vectors, model_hash=model_hash)
+
+
+@dataclass(frozen=True)
+class CaseScatter:
+    """What a case adds to a basis that it shares: 8 bytes per pair of load components.
+
+    Attributes
+    ----------
+    mean : float array [loaded, 6]
+        Mean load.
+    matrix : float array [loaded*6, loaded*6]
+        Upper triangle of the scatter of what is left, divided by its trace: the square of the Frobenius norm.
+    snapshots : int
+        Snapshots that it was made from.
+    """
+
+    mean: Float[np.ndarray, "loaded 6"]
+    matrix: Float[np.ndarray, "dof dof"]
+    snapshots: int
+
+
+def case_scatter(nodal: Float[np.ndarray, "snapshot loaded 6"]) -> CaseScatter:
+    """Normalised scatter of the loads of one case."""
+    mean = nodal.mean(axis=0)
+    rows, row_mean = nodal.reshape(len(nodal), -1).T, mean.reshape(-1)
+    matrix = np.zeros((len(rows), len(rows)), order="F")
+    for i in range(0, len(nodal), CHUNK):
+        part = np.asfortranarray(rows[:, i : i + CHUNK] - row_mean[:, None])
+        matrix = blas.dsyrk(1.0, part, beta=1.0, c=matrix, overwrite_c=1)
+    variance = float(np.trace(matrix))
+    return CaseScatter(mean, matrix / variance if variance > 0.0 else matrix, len(nodal))
+
+
+def joined_basis(
+    parts: Iterable[CaseScatter], node: Int[np.ndarray, " loaded"], n_vectors: int, *, model_hash: str
+) -> LoadBasis:
+    """Basis of several cases from their parts, which are added in the order in which they come.
+
+    Parameters and result as in :func:`clustered_basis`.
+
+    Raises
+    ------
+    InputError
+        If there is no part.
+    """
+    total, mean, snapshots, count = np.zeros((0, 0)), np.zeros((0, 6)), 0, 0
+    for part in parts:
+        total = total + part.matrix if count else part.matrix
+        mean = mean + part.mean if count else part.mean
+        snapshots, count = snapshots + part.snapshots, count + 1
+    if not count:
         raise InputError("load histories", 0, "must be one or more", "Give the loads of a case.")
-    return replace(
-        scatter.basis(node, n_vectors, model_hash=model_hash),
-        mean=np.mean(means, axis=0),
-        snapshots=snapshots,
-    )
+    mean = mean / count
+    sigma, vectors = _of_scatter(total, mean.shape, n_vectors)
+    return LoadBasis(model_hash, node, vectors, sigma, float(np.trace(total)), mean, snapshots)
+
+
+def _of_scatter(
+    matrix: Float[np.ndarray, "dof dof"], shape: tuple[int, ...], n_vectors: int
+) -> tuple[Float[np.ndarray, " value"], Float[np.ndarray, "value loaded 6"]]:
+    """Singular values and vectors from the upper triangle of a scatter matrix."""
+    if not n_vectors:
+        return np.zeros(0), np.zeros((0, *shape))
+    value, vectors = _largest(matrix, n_vectors)
+    sigma = np.sqrt(np.maximum(value, 0.0))
+    floor = np.sqrt(float(np.trace(matrix)) * np.finfo(float).eps * len(matrix))
+    sigma, vectors = _kept(sigma, vectors, floor)
+    return sigma, vectors.reshape(len(sigma), *shape)
 
 
 class Scatter:
@@ -177,15 +247,9 @@ class Scatter:
 
     def basis(self, node: Int[np.ndarray, " loaded"], n_vectors: int, *, model_hash: str) -> LoadBasis:
         """Most energetic spatial vectors of all snapshots added: `n_vectors`, or as many as there are."""
-        mean, variance = self._mean.reshape(self._shape), float(np.trace(self._matrix))
-        vectors, sigma = np.zeros((0, *self._shape)), np.zeros(0)
-        if n_vectors:
-            value, shape = _largest(self._matrix, n_vectors)
-            sigma = np.sqrt(np.maximum(value, 0.0))
-            floor = np.sqrt(variance * np.finfo(float).eps * mean.size)
-            sigma, shape = _kept(sigma, shape, floor)
-            vectors = shape.reshape(len(sigma), *self._shape)
-        return LoadBasis(model_hash, node, vectors, sigma, variance, mean, self.count)
+        mean = self._mean.reshape(self._shape)
+        sigma, vectors = _of_scatter(self._matrix, self._shape, n_vectors)
+        return LoadBasis(model_hash, node, vectors, sigma, float(np.trace(self._matrix)), mean, self.count)
 
 
 def _kept(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from owt_model.block_lanczos import leading_shapes
 from owt_model.contracts import LoadBasis
 from owt_model.errors import InputError
 from owt_model.pod import BANDS, Scatter, clustered_basis, load_basis
@@ -165,3 +166,22 @@ def test_clusters_weigh_every_case_alike() -> None:
         clustered_basis([], NODE, 1, model_hash="h")
     with pytest.raises(InputError, match="must have 4 nodes"):
         clustered_basis([np.zeros((5, 3, 6))], NODE, 1, model_hash="h")
+
+
+def test_large_history_of_few_shapes() -> None:
+    """Fewer shapes than asked for, and one far smaller than the others: squares know too little of them."""
+    shapes = np.linalg.qr(RNG.standard_normal((360, 4)))[0].T.reshape(4, 60, 6)
+    weights = RNG.standard_normal((900, 4)) * [1.0, 0.5, 0.1, 1e-9]
+    nodal = np.tensordot(weights, shapes, axes=1) + RNG.standard_normal((60, 6))
+    basis = load_basis(nodal, np.arange(60), 6, model_hash="h")
+    assert len(basis.vectors) >= 4
+    sigma = np.linalg.svd((nodal - nodal.mean(axis=0)).reshape(900, -1), compute_uv=False)
+    np.testing.assert_allclose(basis.singular_values[:4], sigma[:4], rtol=1e-5)
+    rows = nodal.reshape(900, -1).T
+    assert leading_shapes(rows, rows.mean(axis=1), 6) is None
+    few = leading_shapes(rows, rows.mean(axis=1), 3)
+    assert few is not None
+    np.testing.assert_allclose(few[0], sigma[:3], rtol=1e-12)
+    # Negative control: with the mean left in the values are others.
+    wrong = leading_shapes(rows, np.zeros(360), 3)
+    assert wrong is None or np.abs(wrong[0] / sigma[:3] - 1.0).max() > 1e-3

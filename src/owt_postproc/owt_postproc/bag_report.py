@@ -180,4 +180,7 @@ def _geometry(content: Any) -> Geometry:
         node=content.node_position_m.reshape(-1, 3),
         member_node=content.member_node.reshape(-1, 2).astype(np.int64),
         tower_node=elements[np.asarray(content.element_member) >= members],
+        node_name=tuple(content.node_name),
+        member_name=tuple(content.member_name),
+        member_diameter=np.asarray(content.member_diameter_m, dtype=np.float64),
     )

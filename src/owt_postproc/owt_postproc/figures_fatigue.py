@@ -1,163 +1,130 @@
-"""Figures of the fatigue results: damage by member end, exceedance of stress ranges, the coloured jacket."""
+"""Figures of the fatigue results: damage by member end, exceedance of stress ranges, rainflow matrix."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
+from jaxtyping import Float
 
-from owt_postproc.plot_style import BLUE, FAINT, GRID, Figure, axis, layout, log_axis, numbers
-from owt_postproc.report_data import Geometry, ReportData
+from owt_postproc.core.rainflow import rainflow
+from owt_postproc.plot_style import BLUE, SCALE, Figure, axis, layout, log_axis, numbers
+from owt_postproc.report_usage import Usage
 
-__all__ = ["damage_bars", "exceedance", "jacket"]
+__all__ = ["damage_bars", "exceedance", "rainflow_matrix"]
 
 ENDS_SHOWN = 20
-SCALE = [[0.0, "#dfe7ee"], [0.25, "#9cc0dc"], [0.5, "#4f8fbf"], [0.75, "#e0a13c"], [1.0, "#b3261e"]]
-#: Decades of damage that the colours span.
-DECADES = 6.0
-TOWER, TOWER_SHOWN_M = "#b9c2ca", 20.0
+#: Bins of a rainflow matrix: of the range, and of the mean.
+RANGE_BINS, MEAN_BINS = 32, 32
 
 
-def damage_bars(data: ReportData) -> Figure:
+def damage_bars(usage: Usage) -> Figure:
     """The most damaged member ends."""
-    fatigue = data.fatigue
-    damage, spot = fatigue.end_damage, fatigue.worst_spot
+    damage, spot = usage.end_damage, usage.worst_spot
     order = np.argsort(-damage, kind="stable")[:ENDS_SHOWN][::-1]
     trace = {
         "type": "bar",
         "orientation": "h",
         "x": [float(damage[e]) for e in order],
-        "y": [data.reduced.end_name[e] for e in order],
+        "y": [usage.end_name[e] for e in order],
         "customdata": [
-            [float(fatigue.cycles[spot[e]]), 1e-6 * float(fatigue.max_range[spot[e]])] for e in order
+            [
+                float(usage.cycles[spot[e]]),
+                1e-6 * float(usage.max_range[spot[e]]),
+                usage.describe(int(spot[e])),
+            ]
+            for e in order
         ],
         "hovertemplate": "damage %{x:.3g}<br>%{customdata[0]:.0f} cycles<br>"
-        "largest range %{customdata[1]:.1f} MPa<extra>%{y}</extra>",
+        "largest range %{customdata[1]:.1f} MPa<br>%{customdata[2]}<extra>%{y}</extra>",
         "marker": {"color": BLUE},
         "showlegend": False,
     }
     look = layout(
-        xaxis=axis("Palmgren-Miner sum over the record", exponentformat="power", rangemode="tozero"),
-        yaxis=axis("", type="category", tickfont={"size": 11}),
+        xaxis=axis("damage (Palmgren-Miner sum over the record)", exponentformat="power", rangemode="tozero"),
+        yaxis=axis("", type="category", tickfont={"size": 12}),
         hovermode="closest",
         bargap=0.35,
     )
     caption = (
-        f"The {len(order)} most damaged of {len(damage)} member ends. S-N curve {fatigue.curve.name}, the "
-        "largest of each end's hot spots, residue as half cycles."
+        f"The {len(order)} most damaged of {len(damage)} member ends, each by the worst of its spots. "
+        f"S-N curve {usage.curve.name}, residue as half cycles."
     )
-    return Figure("damage", "Fatigue damage by member end", caption, [trace], look, height=440)
+    return Figure("damage", "Fatigue damage by member end", caption, [trace], look, height=640)
 
 
-def exceedance(data: ReportData) -> Figure:
-    """Cycles above each stress range at the most damaged point."""
-    counts = data.fatigue.histogram[data.stress_spot]
-    edge = 1e-6 * data.fatigue.range_edge
+def exceedance(usage: Usage) -> Figure:
+    """Cycles above each stress range at the most used spot."""
+    spot = usage.most_used
+    counts = usage.histogram[spot]
+    edge = 1e-6 * usage.range_edge
     above = np.cumsum(counts[::-1])[::-1][1:]
     shown = above > 0
     trace = {
         "type": "scatter",
         "mode": "lines+markers",
-        "line": {"color": BLUE, "width": 1.2},
-        "marker": {"color": BLUE, "size": 4},
+        "line": {"color": BLUE, "width": 1.4},
+        "marker": {"color": BLUE, "size": 5},
         "x": numbers(above[shown]),
         "y": numbers(edge[shown]),
         "hovertemplate": "%{x:g} cycles above %{y:.3g} MPa<extra></extra>",
         "showlegend": False,
     }
+    most = float(above[0]) if len(above) else 0.0
     look = layout(
-        xaxis=log_axis(
-            "cycles that exceed the range", 0.5, max(1.2 * float(above[0]), 2.0), labels=(1, 2, 5)
-        ),
+        xaxis=log_axis("cycles that exceed the range", 0.5, max(1.2 * most, 2.0), labels=(1, 2, 5)),
         yaxis=axis("stress range in MPa", rangemode="tozero"),
         hovermode="closest",
     )
     caption = (
-        f"Rainflow cycles of the hot-spot stress at {data.spot_name}°, at the edges of 20 bins per decade."
+        f"Rainflow cycles at the most used spot, {usage.spot_name[spot]}, at the edges of the range bins."
     )
-    return Figure("exceedance", "Exceedance of stress ranges", caption, [trace], look, height=280)
+    return Figure("exceedance", "Exceedance of stress ranges", caption, [trace], look, height=400)
 
 
-def jacket(data: ReportData, geometry: Geometry) -> Figure:
-    """The structure as lines in space, every half member in the colour of its end."""
-    traces = [_members(data, geometry)]
-    tower = np.zeros((0, 3))
-    if len(geometry.tower_node):
-        jacket_top = geometry.node[geometry.member_node.ravel(), 2].max()
-        chain = geometry.node[np.append(geometry.tower_node[:, 0], geometry.tower_node[-1, 1])]
-        tower = chain[chain[:, 2] <= jacket_top + TOWER_SHOWN_M]
-        traces.append(
-            {
-                "type": "scatter3d",
-                "mode": "lines",
-                **{name: numbers(tower[:, i]) for i, name in enumerate("xyz")},
-                "line": {"width": 9, "color": TOWER},
-                "hoverinfo": "skip",
-                "showlegend": False,
-            }
-        )
-    corners = np.concatenate([geometry.node[geometry.member_node.ravel()], tower])
-    low, size = corners.min(axis=0) - 2.0, np.ptp(corners, axis=0) + 4.0
-    span = np.stack([low, low + size], axis=1).tolist()
-    ratio = 1.5 * size / size.max()
-    quiet = {"showbackground": False, "gridcolor": GRID, "zeroline": False, "color": FAINT, "nticks": 6}
-    look = layout(
-        margin={"l": 0, "r": 0, "t": 0, "b": 0},
-        hovermode="closest",
-        scene={
-            "aspectmode": "manual",
-            "aspectratio": dict(zip("xyz", ratio.tolist(), strict=True)),
-            **{
-                f"{name}axis": {**quiet, "title": {"text": f"{name} in m"}, "range": span[i]}
-                for i, name in enumerate("xyz")
-            },
-            "camera": {"eye": {"x": 1.18, "y": 1.63, "z": 0.28}},
+def rainflow_matrix(stress: Float[np.ndarray, " n"], name: str) -> Figure | None:
+    """Cycles by mean and range of one stress series in Pa; None of a constant one."""
+    ranges, means, counts = rainflow(1e-6 * stress)
+    if not len(ranges):
+        return None
+    top, low, high = float(ranges.max()), float(means.min()), float(means.max())
+    if high - low <= 1e-9 * top:
+        low, high = low - 0.5 * top, high + 0.5 * top
+    range_edge, mean_edge = np.linspace(0.0, top, RANGE_BINS + 1), np.linspace(low, high, MEAN_BINS + 1)
+    matrix, _, _ = np.histogram2d(ranges, means, bins=(range_edge, mean_edge), weights=counts)
+    log = [[float(np.log10(v)) if v > 0.0 else None for v in row] for row in matrix]
+    most = float(np.log10(matrix.max()))
+    least = float(np.log10(matrix[matrix > 0.0].min()))
+    values = [
+        v for v in (0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 1e4, 1e5) if v <= 10**most
+    ]
+    trace = {
+        "type": "heatmap",
+        "x": [float(v) for v in 0.5 * (mean_edge[1:] + mean_edge[:-1])],
+        "y": [float(v) for v in 0.5 * (range_edge[1:] + range_edge[:-1])],
+        "z": log,
+        "customdata": matrix.tolist(),
+        "colorscale": SCALE,
+        "zmin": least,
+        "zmax": max(most, least + 0.3),
+        "xgap": 1,
+        "ygap": 1,
+        "hoverongaps": False,
+        "colorbar": {
+            "title": {"text": "cycles", "side": "top"},
+            "thickness": 14,
+            "outlinewidth": 0,
+            "tickvals": [float(np.log10(v)) for v in values],
+            "ticktext": [f"{v:g}" for v in values],
         },
+        "hovertemplate": "mean %{x:.3g} MPa<br>range %{y:.3g} MPa<br>%{customdata:g} cycles<extra></extra>",
+    }
+    look = layout(
+        xaxis=axis("mean of the cycle in MPa"),
+        yaxis=axis("stress range in MPa", rangemode="tozero"),
+        hovermode="closest",
     )
     caption = (
-        "Each half of a member in the colour of its end, on a logarithmic scale; six decades and more below "
-        "the largest is the lightest colour. Grey: foot of the tower. Drag to turn."
+        f"Of the normal stress at {name}: {counts.sum():g} cycles in {RANGE_BINS} × {MEAN_BINS} equal "
+        "bins, no cycle "
+        "left out, empty bins white, colours logarithmic."
     )
-    return Figure("jacket", "Jacket coloured by damage", caption, traces, look, height=760)
-
-
-def _members(data: ReportData, geometry: Geometry) -> dict[str, Any]:
-    """One trace of all members: five points each, the last of them a gap."""
-    damage = data.fatigue.end_damage
-    top = float(damage.max()) or 1.0
-    high = float(np.log10(top))
-    colour = np.log10(np.maximum(damage, top * 10.0**-DECADES)).reshape(-1, 2)
-    first, second = geometry.node[geometry.member_node[:, 0]], geometry.node[geometry.member_node[:, 1]]
-    middle = 0.5 * (first + second)
-    points = np.stack([first, middle, middle, second, np.full_like(first, np.nan)], axis=1).reshape(-1, 3)
-    text: list[str] = []
-    for m in range(len(first)):
-        a, b = (f"{data.reduced.end_name[e]}<br>damage {damage[e]:.3g}" for e in (2 * m, 2 * m + 1))
-        text += [a, a, b, b, ""]
-    ticks = np.arange(np.ceil(high - DECADES), high + 1e-9)
-    bar = {
-        "title": {"text": "damage", "side": "top"},
-        "thickness": 14,
-        "len": 0.6,
-        "x": 0.98,
-        "tickvals": ticks.tolist(),
-        "ticktext": [f"10<sup>{int(v)}</sup>" for v in ticks],
-    }
-    line = {
-        "width": 7,
-        "color": numbers(colour[:, [0, 0, 1, 1, 1]].ravel()),
-        "colorscale": SCALE,
-        "cmin": high - DECADES,
-        "cmax": high,
-        "showscale": True,
-        "colorbar": bar,
-    }
-    return {
-        "type": "scatter3d",
-        "mode": "lines",
-        **{name: numbers(points[:, i]) for i, name in enumerate("xyz")},
-        "line": line,
-        "text": text,
-        "hoverinfo": "text",
-        "showlegend": False,
-    }
+    return Figure("matrix", "Rainflow matrix", caption, [trace], look, height=400)

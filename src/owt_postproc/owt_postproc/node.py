@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from owt_msgs.msg import MemberStress, ModelDescription, ReducedModel
+from owt_msgs.msg import MemberStress
 from owt_msgs.srv import FatigueSummary, Flush
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -24,7 +24,7 @@ from owt_ros.lifecycle import StageNode
 from owt_ros.options import RATE_SUFFIX, is_mark
 from owt_ros.process import interruptible, run
 from owt_ros.topics import Kind, Topic
-from owt_ros.wire import Head, peek_stamp, time_ns
+from owt_ros.wire import Head, peek_stamp
 
 __all__ = ["PostprocNode", "main"]
 
@@ -41,8 +41,7 @@ class PostprocNode(StageNode):
 
     def configure(self, case: CaseConfig) -> None:
         """Begin the bag."""
-        options = self.options
-        if not options.bag:
+        if not (options := self.options).bag:
             raise InputError("bag", "", "is missing", "Give the folder to record into.")
         self._count = RunningCount(case)  # an unknown curve is refused before anything is recorded
         self._pending: deque[bytes] = deque()
@@ -66,11 +65,12 @@ class PostprocNode(StageNode):
 
     def _on_latched(self, topic: Topic, cdr: bytes) -> None:
         if topic is topics.MODEL and not self._count.is_ready:
-            self._count.learn(frame=decode.to_frame(deserialize_message(cdr, ModelDescription)))
+            self._count.learn(frame=decode.to_frame(deserialize_message(cdr, topic.message)))
         elif topic is topics.REDUCED_MODEL and not self._count.is_ready:
-            reduced = decode.to_reduced_model(deserialize_message(cdr, ReducedModel))
-            self._selection.learn(reduced)
-            self._count.learn(reduced=reduced)
+            self._count.learn(reduced=decode.to_reduced_model(deserialize_message(cdr, topic.message)))
+            self._selection.learn(self._count.reduced)
+        if warnings := self._count.news():
+            self.diagnose(DiagnosticStatus.WARN, warnings)
         self._record(topic, cdr, 0)
         self.advance()
 
@@ -102,13 +102,11 @@ class PostprocNode(StageNode):
             stress = decode.to_stress(deserialize_message(self._pending.popleft(), MemberStress))
             with interruptible():
                 block = self._count.count(stress)
-            message = convert.fatigue_message(block)
-            self._fatigue.send(message)
-            at_ns = time_ns(message.header.stamp)
-            self._record(topics.FATIGUE, serialize_message(message), at_ns, last=block.last)
+            self._fatigue.send(message := convert.fatigue_message(block))
+            self._record(topics.FATIGUE, serialize_message(message), block.time_ns, last=block.last)
             self._streams[topics.MEMBER_STRESS].acknowledge(stress.sequence)
             self._largest = float(block.damage.max())
-            self.report(time_ns=at_ns)
+            self.report(time_ns=block.time_ns)
         if self._recorder is not None and self._recorder.is_complete:
             self._finish(self._recorder)
 
@@ -116,8 +114,8 @@ class PostprocNode(StageNode):
         self.diagnose(DiagnosticStatus.OK, "complete", samples=self._count.samples)
         recorder.close()
         self._recorder = None
-        result = {"bag": str(recorder.path), "messages": recorder.counts, "largest_damage": self._largest}
-        self.report(done=json.dumps({**result, "stress_samples": self._count.samples}))
+        counts = {"largest_damage": self._largest, "stress_samples": self._count.samples}
+        self.report(done=json.dumps({"bag": str(recorder.path), "messages": recorder.counts} | counts))
 
     def _summarise(self, request: Any, response: Any) -> Any:
         """Answer with the fatigue so far."""
@@ -130,8 +128,8 @@ class PostprocNode(StageNode):
             if self._recorder is None:
                 raise OwtError("nothing is being recorded")
             self._recorder.flush()
-            response.messages, response.bag = self._recorder.written, str(self._recorder.folder)
-            response.success = True
+            found = self._recorder.written, str(self._recorder.folder), True
+            response.messages, response.bag, response.success = found
         except OwtError as error:
             response.message = str(error)
         return response

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import base64
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,10 @@ __all__ = [
     "FAINT",
     "GRID",
     "INK",
+    "MOST_POINTS",
+    "MOST_SAMPLES",
     "ORANGE",
+    "SCALE",
     "TEAL",
     "Figure",
     "axis",
@@ -24,16 +28,27 @@ __all__ = [
     "numbers",
 ]
 
-INK, GRID, FAINT = "#1c2733", "#e3e7eb", "#8a96a3"
+INK, GRID, FAINT = "#1c2733", "#e3e7eb", "#66727f"
 BLUE, ORANGE, TEAL = "#1f5f99", "#c8602b", "#2a8c82"
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, Helvetica, Arial, sans-serif"
 #: Longest line drawn, in points; longer ones are drawn as their envelope.
 MOST_POINTS = 3000
+#: Longest line of which the page holds all samples, to be drawn when one zooms in.
+MOST_SAMPLES = 40_000
+#: Colours from little to much: ever darker, so that grey paper and all colour blindness keep the order.
+SCALE: list[tuple[float, str]] = [
+    (0.0, "#dbe4ea"), (0.25, "#f3c77b"), (0.5, "#e5834a"), (0.75, "#b3294c"), (1.0, "#4a0d3f"),
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A Plotly figure with the words around it; `height` in pixels."""
+    """A Plotly figure with the words around it; `height` in pixels.
+
+    ``extra`` is what the page's script needs besides: ``samples``, all samples of lines that are drawn as
+    their envelope until one zooms in, and ``measures``, the quantities that a figure can be coloured by.
+    ``html`` stands above the plot: a selector, or what takes its place on paper.
+    """
 
     key: str
     title: str
@@ -41,6 +56,8 @@ class Figure:
     data: list[dict[str, Any]]
     layout: dict[str, Any]
     height: int = 320
+    extra: Mapping[str, Any] = field(default_factory=dict)
+    html: str = ""
 
 
 def envelope(

@@ -78,7 +78,6 @@ def report_facts(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]
                 *(("note", note) for note in reduced.notes),
             ],
         ),
-        ("Lowest modes: frequency, damping", _modes(data)),
         (
             "Fatigue",
             [
@@ -93,9 +92,3 @@ def report_facts(data: ReportData) -> list[tuple[str, Iterable[tuple[str, Any]]]
         ("Case, where it is not the default", case_facts(data.case) or [("all defaults", "-")]),
         ("Versions", list(data.versions.items()) or [("not recorded", "-")]),
     ]
-
-
-def _modes(data: ReportData) -> list[tuple[str, str]]:
-    """Undamped frequency and damping ratio of the lowest modes."""
-    lowest = zip(data.reduced.frequency_hz[:10], data.reduced.damping_ratio[:10], strict=True)
-    return [(f"mode {i}", f"{f:.4f} Hz, {100.0 * z:.2f} %") for i, (f, z) in enumerate(lowest, 1)]

@@ -38,16 +38,30 @@ class Geometry:
         Ends 2 m and 2 m + 1 of the results are first and last node of member m.
     tower_node : int array [segment, 2]
         Nodes of the elements that belong to no member.
+    node_name : tuple of str [node]
+    member_name : tuple of str [member]
+    member_diameter : float array [member]
+        Outer diameter in m at the first node; empty where not recorded.
     """
 
     node: Float[np.ndarray, "node 3"]
     member_node: Int[np.ndarray, "member 2"]
     tower_node: Int[np.ndarray, "segment 2"]
+    node_name: tuple[str, ...]
+    member_name: tuple[str, ...]
+    member_diameter: Float[np.ndarray, " diameter"]
 
 
 def mesh_geometry(mesh: Mesh) -> Geometry:
     """Lines of a mesh."""
-    return Geometry(mesh.node_position, mesh.member_node, mesh.element_node[mesh.is_tower])
+    return Geometry(
+        node=mesh.node_position,
+        member_node=mesh.member_node,
+        tower_node=mesh.element_node[mesh.is_tower],
+        node_name=mesh.node_name,
+        member_name=mesh.member_name,
+        member_diameter=mesh.element_diameter[mesh.member_element[:, 0]],
+    )
 
 
 @dataclass(frozen=True)
@@ -114,6 +128,12 @@ class ReportData:
     def end_name(self) -> str:
         """Name of the member end whose stress is shown."""
         return self.reduced.end_name[self.stress_end]
+
+    @property
+    def directions(self) -> tuple[Float[np.ndarray, " 2"], Float[np.ndarray, " 2"]]:
+        """Horizontal unit vectors along and across the waves."""
+        b = np.deg2rad(float(self.sea_state.get("direction_deg", 0.0)))
+        return np.array([np.cos(b), np.sin(b)]), np.array([-np.sin(b), np.cos(b)])
 
     @property
     def spot_name(self) -> str:

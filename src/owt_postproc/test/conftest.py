@@ -18,9 +18,13 @@ from owt_model.contracts import (
     ReducedDescription,
     StressBlock,
 )
+from owt_model.frame import frame_of_mesh
 from owt_model.mesh import Mesh, build_mesh
 from owt_model.structure import load_structure
 from owt_postproc.bag import BagWriter
+from owt_postproc.core.hot_spots import build_hot_spots
+from owt_postproc.core.stage import build_fatigue_model, final, initial_state, step
+from owt_postproc.report_data import ReportCollector, mesh_geometry
 
 HEAD = "std_msgs/Header header\nuint64 sequence\nfloat64 dt\nuint32 samples\nbool last\n"
 LINE = "=" * 80
@@ -243,6 +247,25 @@ def write_bag(path: Path, run: InventedRun, **options) -> Path:
 def run() -> InventedRun:
     """40 s of an invented response."""
     return invented_run()
+
+
+@pytest.fixture(scope="session")
+def report_data(run):
+    """Report data as a run in process collects it."""
+    model = build_fatigue_model(run.case, build_hot_spots(frame_of_mesh(run.mesh), run.case.fatigue))
+    state, collector = initial_state(model), ReportCollector(run.reduced.tower_top_coordinate)
+    for block in run.blocks:
+        collector.add(block)
+        if isinstance(block, StressBlock):
+            state, _ = step(model, state, block)
+    return collector.finish(
+        case=run.case.model_dump(mode="json"),
+        reduced=run.reduced,
+        fatigue=final(model, state),
+        geometry=mesh_geometry(run.mesh),
+        sea_state=run.sea,
+        versions={"owt": "0.1.0", "numpy": np.__version__},
+    )
 
 
 @pytest.fixture(scope="session")

@@ -22,43 +22,30 @@ from owt_postproc.figures import all_figures
 from owt_postproc.plot_style import envelope
 from owt_postproc.report import render, summary, write_report
 from owt_postproc.report_case import case_facts
-from owt_postproc.report_data import ReportCollector, mesh_geometry
+from owt_postproc.report_data import ReportCollector
 
 FIGURES = [
+    "jacket",
+    "damage",
+    "exceedance",
+    "matrix",
+    "stress",
     "elevation",
     "shear",
     "tower_top",
-    "stress",
-    "spectrum",
     "energy",
-    "damage",
-    "exceedance",
-    "jacket",
+    "spectrum",
 ]
 
 
-@pytest.fixture(scope="module")
-def data(run):
-    """Report data as a run in process collects it."""
-    model = build_fatigue_model(run.case, build_hot_spots(frame_of_mesh(run.mesh), run.case.fatigue))
-    state, collector = initial_state(model), ReportCollector(run.reduced.tower_top_coordinate)
-    for block in run.blocks:
-        collector.add(block)
-        if isinstance(block, StressBlock):
-            state, _ = step(model, state, block)
-    return collector.finish(
-        case=run.case.model_dump(mode="json"),
-        reduced=run.reduced,
-        fatigue=final(model, state),
-        geometry=mesh_geometry(run.mesh),
-        sea_state=run.sea,
-        versions={"owt": "0.1.0", "numpy": np.__version__},
-    )
+@pytest.fixture
+def data(report_data):
+    return report_data
 
 
 @pytest.fixture(scope="module")
-def page(data):
-    return render(data)
+def page(report_data):
+    return render(report_data)
 
 
 def without_plotly(page: str) -> str:

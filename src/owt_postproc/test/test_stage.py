@@ -40,8 +40,8 @@ def spots(ends: int, scf: float = 1.0) -> HotSpots:
     return replace(
         made, name=made.name[:n], end=made.end[:n], side=made.side[:n], angle_deg=made.angle_deg[:n],
         thickness_m=made.thickness_m[:n], scf=made.scf[:n], kind=made.kind[:ends], reason=made.reason[:ends],
-        start=made.start[: n + 1], term_end=made.term_end[: 3 * n], term_component=made.term_component[: 3 * n],
-        term_factor=made.term_factor[: 3 * n],
+        start=made.start[: n + 1], term_end=made.term_end[: 3 * n],
+        term_component=made.term_component[: 3 * n], term_factor=made.term_factor[: 3 * n],
     )  # fmt: skip
 
 

@@ -133,4 +133,5 @@ def run(
             executor.shutdown(timeout_sec=1.0)
             node.destroy_node()
         rclpy.try_shutdown()
+        gc.unfreeze()  # else the context is never collected, and its shared memory outlives the process
     return code

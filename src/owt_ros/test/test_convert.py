@@ -87,8 +87,8 @@ BLOCKS |= {
     "measured": MeasuredBlock(**HEAD, elevation=_r(5), filled=FLAGS),
 }
 FATIGUE = FatigueBlock(
-    **HEAD, samples_counted=351, sn_curve="T", cycles=_r(4), damage=_r(4), total_stress=_r(4), max_range=_r(4),
-    side=np.array([0, 1, 2, 1]), angle_deg=_r(4),
+    **HEAD, samples_counted=351, sn_curve="T", cycles=_r(4), damage=_r(4), total_stress=_r(4),
+    max_range=_r(4), side=np.array([0, 1, 2, 1]), angle_deg=_r(4),
 )  # fmt: skip
 
 

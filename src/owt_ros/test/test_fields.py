@@ -70,6 +70,8 @@ def test_every_field_is_a_parameter_with_a_description() -> None:
         "sea_state.systems",
         "wave.window",
         "points_m",
+        "fatigue.sn_file",
+        "fatigue.wall_sn_curve",
         "structure.jacket_stiffness_factor",
         "structure.damping.fit",
         "structure.damping.modes",

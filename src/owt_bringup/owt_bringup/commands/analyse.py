@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-HELP = "count the stress of a bag again, complete or not, or of a folder of bags; summary.json, report.html"
+HELP = "count the stress of a bag again, complete or not, or of a folder of bags; report, tables, summary"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
             ("report", str(options.bag / "report.html")),
         ]
     )
-    for note in data.reduced.notes:
+    for note in (*data.reduced.notes, *data.fatigue.hot_spots.warnings):
         print(f"note: {note}", file=sys.stderr)
     print_warnings(case, structure)
     return 0

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from owt_bringup.bag_case import RecordedRun
     from owt_model.config import CaseConfig
 
-HELP = "the whole chain in one process: summary.json, series.npz and report.html"
+HELP = "the whole chain in one process: report, tables, summary.json and series.npz"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -103,7 +103,11 @@ def run(options: argparse.Namespace) -> int:
     elapsed = time.perf_counter() - start
     speed = f"{elapsed:.1f} s, {case.time.duration_s / elapsed:.0f} times real time"
     print_table([*head_figures(data), ("elapsed", speed), ("results", str(folder))])
-    for note in (*(() if recorded is None else recorded.notes), *data.reduced.notes):
+    for note in (
+        *(() if recorded is None else recorded.notes),
+        *data.reduced.notes,
+        *data.fatigue.hot_spots.warnings,
+    ):
         print(f"note: {note}", file=sys.stderr)
     if recorded is None:
         print_notes(case, "simulate", result.mesh)

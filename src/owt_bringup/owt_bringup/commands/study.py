@@ -22,7 +22,7 @@ INDEX_TITLE = "# Studies: the thesis' tables and figures, beside the print"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("name", nargs="?", choices=STUDIES, metavar="NAME", help=", ".join(STUDIES))
-    parser.add_argument("--list", action="store_true", help="print the names, one line each")
+    parser.add_argument("--list", action="store_true", help="print the names; with -o write the index of DIR")
     parser.add_argument(
         "--full", action="store_true", help="as in docs/study: all cases and seeds, minutes; else seconds"
     )
@@ -45,6 +45,8 @@ def run(options: argparse.Namespace) -> int:
     if options.list:
         width = max(map(len, STUDIES))
         print("\n".join(f"{study.name:{width}}  {study.help}" for study in STUDIES.values()))
+        if options.output is not None:
+            write_index(prepare_folder(options.output))
         return 0
     if options.name is None:
         raise InputError("study", None, "is not named", f"Choose one of {', '.join(STUDIES)}, or --list.")
@@ -80,6 +82,19 @@ def write_study(folder: Path, result: StudyResult, found: dict[str, object]) -> 
     with atomic_path(folder / f"{result.name}.md") as partial:
         partial.write_text(result.page, encoding="utf-8")
     write_json(folder / f"{result.name}.json", found)
+    write_index(folder)
+
+
+def write_index(folder: Path) -> None:
+    """Write the index of a folder of studies, unless a file of that name is somebody else's.
+
+    Raises
+    ------
+    InputError
+        If nothing can be written there.
+    """
+    from owt_bringup.output import atomic_path
+
     index = folder / "README.md"
     if not index.exists() or index.read_text(encoding="utf-8").startswith(INDEX_TITLE):
         with atomic_path(index) as partial:

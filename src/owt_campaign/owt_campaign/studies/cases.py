@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 from owt_model.config import CaseConfig, Time, Wave, parse_case
 from owt_model.sensitivity import sensitivity_model
@@ -38,7 +38,7 @@ def study_case(
     seed: int = 1,
     direction_deg: float = 210.0,
     wave: str = SECOND_ORDER,
-    cutoff: Literal["4 omega_p", "sqrt(2g/Hs)"] = "4 omega_p",
+    cutoff: str = "4 omega_p",
     structure: str = "reference",
     reduction: str = "CB10M10",
     duration_s: float = 600.0,

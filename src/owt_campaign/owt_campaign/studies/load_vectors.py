@@ -31,6 +31,8 @@ from owt_wave_node.core.stage import WaveStage
 __all__ = ["BASES", "COUNTS", "HEIGHTS", "WAVES", "Need", "needs", "period", "run", "wave_case"]
 
 HEIGHTS = (2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 17.0)
+#: Of these the irregular seas are run too, for comparison.
+IRREGULAR = (2.5, 10.0, 17.0)
 WAVES = ("stream function", "stream function, one period", "NewWave", "irregular")
 #: Vectors tried, and the reductions that have them.
 COUNTS = (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30)
@@ -137,6 +139,7 @@ def needs(
         for wave in waves
         for height in heights
         for seed in (seeds if wave == "irregular" else seeds[:1])
+        if wave != "irregular" or height in IRREGULAR
     ]
     found = {}
     for done, (wave, height, seed) in enumerate(asked):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
@@ -82,7 +82,7 @@ def canvas(
 
 def frame(
     panel: Axes,
-    segments: Sequence[Float[np.ndarray, "point 2"]],
+    segments: Iterable[Float[np.ndarray, "point 2"]],
     *,
     colour: str = BLUE,
     width: float = 1.0,

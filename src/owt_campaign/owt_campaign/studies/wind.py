@@ -84,7 +84,7 @@ class WindStudy:
             for (cell, _, w), share in self.share.items()
             if w == loading and (cell.hs_m, cell.from_deg) == SEAS[name]
         ]
-        return np.array(rows)
+        return np.array(rows).reshape(-1, 2)
 
 
 class _Runs:

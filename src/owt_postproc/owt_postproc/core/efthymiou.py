@@ -8,6 +8,7 @@ tau = t/T, alpha = 2 L/D, zeta = gap/D.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan, exp, sin, sqrt
 
@@ -16,8 +17,10 @@ __all__ = [
     "LONG_CHORD",
     "Shape",
     "brace_of_out_of_plane",
+    "carried",
     "k1",
     "k2",
+    "near",
     "overlap_in_plane",
     "short_chord_fixed",
     "short_chord_general",
@@ -61,19 +64,19 @@ def t5(p: Shape, fixity: float) -> float:
     """Chord saddle, axial (5); T1 (1) where the chord's ends are fixed."""
     t1 = p.gamma * p.tau**1.1 * (1.11 - 3.0 * (p.beta - 0.52) ** 2) * sin(p.theta) ** 1.6
     bending = (0.8 * p.alpha - 6.0) * p.tau * p.beta**2 * sqrt(max(1.0 - p.beta**2, 0.0))
-    return t1 + 2.0 * (fixity - 0.5) * bending * sin(2.0 * p.theta) ** 2
+    return float(t1 + 2.0 * (fixity - 0.5) * bending * sin(2.0 * p.theta) ** 2)
 
 
 def t6(p: Shape, fixity: float) -> float:
     """Chord crown, axial (6); T2 (2) where the chord's ends are fixed."""
     wall = p.gamma**0.2 * p.tau * (2.65 + 5.0 * (p.beta - 0.65) ** 2)
-    return wall + p.tau * p.beta * (0.5 * fixity * p.alpha - 3.0) * sin(p.theta)
+    return float(wall + p.tau * p.beta * (0.5 * fixity * p.alpha - 3.0) * sin(p.theta))
 
 
 def t3(p: Shape) -> float:
     """Brace saddle, axial (3)."""
     wall = 0.187 - 1.25 * p.beta**1.1 * (p.beta - 0.96)
-    return 1.3 + p.gamma * p.tau**0.52 * p.alpha**0.1 * wall * sin(p.theta) ** (2.7 - 0.01 * p.alpha)
+    return float(1.3 + p.gamma * p.tau**0.52 * p.alpha**0.1 * wall * sin(p.theta) ** (2.7 - 0.01 * p.alpha))
 
 
 def t7(p: Shape, fixity: float) -> float:
@@ -83,23 +86,23 @@ def t7(p: Shape, fixity: float) -> float:
 
 def t8(p: Shape) -> float:
     """Chord crown, in-plane bending (8)."""
-    return 1.45 * p.beta * p.tau**0.85 * p.gamma ** (1.0 - 0.68 * p.beta) * sin(p.theta) ** 0.7
+    return float(1.45 * p.beta * p.tau**0.85 * p.gamma ** (1.0 - 0.68 * p.beta) * sin(p.theta) ** 0.7)
 
 
 def t9(p: Shape) -> float:
     """Brace crown, in-plane bending (9)."""
     wall = 0.65 * p.beta * p.tau**0.4 * p.gamma ** (1.09 - 0.77 * p.beta)
-    return 1.0 + wall * sin(p.theta) ** (0.06 * p.gamma - 1.16)
+    return float(1.0 + wall * sin(p.theta) ** (0.06 * p.gamma - 1.16))
 
 
 def t10(p: Shape) -> float:
     """Chord saddle, out-of-plane bending (10)."""
-    return p.gamma * p.tau * p.beta * (1.7 - 1.05 * p.beta**3) * sin(p.theta) ** 1.6
+    return float(p.gamma * p.tau * p.beta * (1.7 - 1.05 * p.beta**3) * sin(p.theta) ** 1.6)
 
 
 def brace_of_out_of_plane(p: Shape) -> float:
     """Factor from the chord saddle to the brace saddle in out-of-plane bending, of T11, X6, K5 and KTB."""
-    return p.tau**-0.54 * p.gamma**-0.05 * (0.99 - 0.47 * p.beta + 0.08 * p.beta**4)
+    return float(p.tau**-0.54 * p.gamma**-0.05 * (0.99 - 0.47 * p.beta + 0.08 * p.beta**4))
 
 
 def t11(p: Shape) -> float:
@@ -135,29 +138,29 @@ def _short(p: Shape, reduction: float) -> float:
 
 def x1(p: Shape) -> float:
     """Chord saddle, axial load through the chord (12)."""
-    return 3.87 * p.gamma * p.tau * p.beta * (1.10 - p.beta**1.8) * sin(p.theta) ** 1.7
+    return float(3.87 * p.gamma * p.tau * p.beta * (1.10 - p.beta**1.8) * sin(p.theta) ** 1.7)
 
 
 def x2(p: Shape) -> float:
     """Chord crown, axial load through the chord (13)."""
     wall = p.gamma**0.2 * p.tau * (2.65 + 5.0 * (p.beta - 0.65) ** 2)
-    return wall - 3.0 * p.tau * p.beta * sin(p.theta)
+    return float(wall - 3.0 * p.tau * p.beta * sin(p.theta))
 
 
 def x3(p: Shape) -> float:
     """Brace saddle, axial load through the chord (14)."""
     wall = 1.9 * p.gamma * p.tau**0.5 * p.beta**0.9 * (1.09 - p.beta**1.7)
-    return 1.0 + wall * sin(p.theta) ** 2.5
+    return float(1.0 + wall * sin(p.theta) ** 2.5)
 
 
 def x4(p: Shape) -> float:
     """Brace crown, axial load through the chord (15)."""
-    return 3.0 + p.gamma**1.2 * (0.12 * exp(-4.0 * p.beta) + 0.011 * p.beta**2 - 0.045)
+    return float(3.0 + p.gamma**1.2 * (0.12 * exp(-4.0 * p.beta) + 0.011 * p.beta**2 - 0.045))
 
 
 def x5(p: Shape) -> float:
     """Chord saddle, balanced out-of-plane bending of two braces through the chord (16)."""
-    return p.gamma * p.tau * p.beta * (1.56 - 1.34 * p.beta**4) * sin(p.theta) ** 1.6
+    return float(p.gamma * p.tau * p.beta * (1.56 - 1.34 * p.beta**4) * sin(p.theta) ** 1.6)
 
 
 def x6(p: Shape) -> float:
@@ -170,26 +173,27 @@ def x_one_brace(p: Shape) -> float:
     return 1.0 - 0.26 * p.beta**3
 
 
-def k1(p: Shape, other: Shape, zeta: float) -> float:
-    """Chord under the brace `p`, balanced axial load of two braces in one plane (20)."""
-    sines = sorted((sin(p.theta), sin(other.theta)))
-    betas = sorted((p.beta, other.beta))
+def k1(p: Shape, others: Sequence[Shape], zeta: float) -> float:
+    """Chord under the brace `p`, axial load balanced by others of its plane (20)."""
+    sines = sorted(sin(q.theta) for q in (p, *others))
+    betas = sorted(q.beta for q in (p, *others))
     wall = p.tau**0.9 * p.gamma**0.5 * (0.67 - p.beta**2 + 1.16 * p.beta) * sin(p.theta)
-    pair = (sines[1] / sines[0]) ** 0.30 * (betas[1] / betas[0]) ** 0.30
-    return wall * pair * (1.64 + 0.29 * p.beta**-0.38 * atan(8.0 * zeta))
+    pair = (sines[-1] / sines[0]) ** 0.30 * (betas[-1] / betas[0]) ** 0.30
+    return float(wall * pair * (1.64 + 0.29 * p.beta**-0.38 * atan(8.0 * zeta)))
 
 
-def k2(p: Shape, other: Shape, zeta: float, through: float) -> float:
-    """Brace `p`, balanced axial load of two braces in one plane (21).
+def k2(p: Shape, others: Sequence[Shape], zeta: float, through: float) -> float:
+    """Brace `p`, axial load balanced by others of its plane (21).
 
     `through` is 0 for a gap, 1 for the through brace of an overlap and 0.5 for the overlapping one.
     """
-    gap = 1.0 + k1(p, other, zeta) * (1.97 - 1.57 * p.beta**0.25) * p.tau**-0.14 * sin(p.theta) ** 0.7
+    gap = 1.0 + k1(p, others, zeta) * (1.97 - 1.57 * p.beta**0.25) * p.tau**-0.14 * sin(p.theta) ** 0.7
     if through == 0.0:
-        return gap
-    both = max(sin(p.theta + other.theta), 0.0) ** 1.8
+        return float(gap)
+    angles = sorted(q.theta for q in (p, *others))
+    both = max(sin(angles[-1] + angles[0]), 0.0) ** 1.8
     wall = through * p.beta**1.5 * p.gamma**0.5 * p.tau**-1.22
-    return gap + wall * both * (0.131 - 0.084 * atan(14.0 * zeta + 4.2 * p.beta))
+    return float(gap + wall * both * (0.131 - 0.084 * atan(14.0 * zeta + 4.2 * p.beta)))
 
 
 def overlap_in_plane(p: Shape, overlap: float) -> tuple[float, float]:

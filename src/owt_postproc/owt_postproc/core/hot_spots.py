@@ -1,9 +1,9 @@
 """Hot spots of all member ends: where stress is counted, as a linear map from the nominal stress.
 
-Eight points on the chord side and eight on the brace side of every brace end, superposed as DNV-RP-C203, 3.3.2:
-sigma(phi) = (AC cos^2 + AS sin^2) axial + MIP cos in_plane + MOP sin out_of_plane, phi from the crown toe, and
-the influence of the other braces of the joint (:mod:`owt_postproc.core.scf`). All other ends have eight
-points of the wall with nominal stress, phi from element axis y towards z.
+Eight points on the chord side and eight on the brace side of every brace end, superposed as in DNV-RP-C203,
+3.3.2: sigma(phi) = (AC cos^2 + AS sin^2) axial + MIP cos in_plane + MOP sin out_of_plane, phi from the crown
+toe, and the influence of the other braces of the joint (:mod:`owt_postproc.core.scf`). All other ends have
+eight points of the wall with nominal stress, phi from element axis y towards z.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ N_POINTS = 8
 #: Angles of the points of one side, in degrees.
 POINT_ANGLE_DEG = 360.0 / N_POINTS * np.arange(N_POINTS)
 AXIAL, BENDING_Y, BENDING_Z = range(3)
+#: Factors by member end and component of its nominal stress.
+Terms = dict[tuple[int, int], float]
 WALL = "wall"
 #: Sides of spots, in the order of their numbers in messages.
 SPOT_SIDES = (WALL, *SIDES)
@@ -68,8 +70,10 @@ class HotSpots:
         Class of the joint that the end makes: ``T/Y``, ``K``, ``KT``, ``X``, ``KX``, ``KTX``; empty without.
     reason : tuple of str [end]
         Why an end has no tubular connection; empty where it has one.
-    notes : tuple of str
-        What a reader of results must know: parameters out of range, ends without a connection.
+    warnings : tuple of str
+        Parameters out of the range of the equations, one line per class of joint and parameter.
+    remarks : tuple of str
+        What else a reader of results should know: ends without a connection.
     start : int array [spot + 1]
         The terms of spot i are start[i] to start[i + 1].
     term_end, term_component : int arrays [term]
@@ -85,7 +89,8 @@ class HotSpots:
     scf: Float[np.ndarray, "spot 8"]
     kind: tuple[str, ...]
     reason: tuple[str, ...]
-    notes: tuple[str, ...]
+    warnings: tuple[str, ...]
+    remarks: tuple[str, ...]
     start: Int[np.ndarray, " edge"]
     term_end: Int[np.ndarray, " term"]
     term_component: Int[np.ndarray, " term"]
@@ -95,6 +100,11 @@ class HotSpots:
     def side_code(self) -> Int[np.ndarray, " spot"]:
         """Side of each spot as a number: 0 wall, 1 chord, 2 brace."""
         return np.array([SPOT_SIDES.index(side) for side in self.side], dtype=np.int64)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Warnings and remarks."""
+        return (*self.warnings, *self.remarks)
 
     @property
     def n_spots(self) -> int:
@@ -162,9 +172,7 @@ class _Spots:
         _, y, z = self.axes[end]
         return float(direction @ z), float(direction @ y)
 
-    def add(
-        self, end: int, side: str, angle: float, thickness: float, scf: np.ndarray, terms: dict[tuple[int, int], float]
-    ) -> None:  # fmt: skip
+    def add(self, end: int, side: str, angle: float, thickness: float, scf: np.ndarray, terms: Terms) -> None:
         """Add a spot; terms by member end and component."""
         self.name.append(f"{self.frame.end_name[end]} {side} {angle:g}")
         self.end.append(end)
@@ -190,17 +198,19 @@ class _Spots:
             thickness = own.chord_thickness if side == "chord" else own.thickness
             scf = np.concatenate([factors.own[s], factors.balanced[s], factors.through[s]])
             for angle in POINT_ANGLE_DEG:
-                terms = self._terms(own, joints, factors, s, chord, *_circle(float(angle)))
+                terms = self._terms(own, joints, factors, s, chord, float(angle))
                 self.add(own.end, side, float(angle), thickness, scf, terms)
 
     def _terms(
-        self, own: Connection, joints: Joints, factors: Factors, s: int, chord: tuple[int, ...], cosine: float, sine: float
-    ) -> dict[tuple[int, int], float]:  # fmt: skip
+        self, own: Connection, joints: Joints, factors: Factors, s: int, chord: tuple[int, ...], angle: float
+    ) -> Terms:
+        """Terms of the spot at an angle on side `s`, with the nominal stress of the ends `chord`."""
         mine, end = factors.own[s], own.end
+        cosine, sine = _circle(angle)
         bending = mine[IN_PLANE] * cosine * own.crown + mine[OUT_OF_PLANE] * sine * own.normal
         y, z = self.along(end, bending)
         axial = float(mine[CROWN] * cosine**2 + mine[SADDLE] * sine**2)
-        terms = {(end, AXIAL): axial, (end, BENDING_Y): y, (end, BENDING_Z): z}
+        terms: Terms = {(end, AXIAL): axial, (end, BENDING_Y): y, (end, BENDING_Z): z}
         for other, influence in factors.axial.items():
             crown, saddle = influence[s]
             terms[other, AXIAL] = float(crown * cosine**2 + saddle * sine**2)
@@ -214,7 +224,9 @@ class _Spots:
             terms[other, BENDING_Y], terms[other, BENDING_Z] = self.along(other, factor * own.radial)
         return {source: factor for source, factor in terms.items() if factor != 0.0 or source[0] == end}
 
-    def finish(self, kind: list[str], reason: tuple[str, ...], notes: tuple[str, ...]) -> HotSpots:
+    def finish(
+        self, kind: list[str], reason: tuple[str, ...], warnings: tuple[str, ...], remarks: tuple[str, ...]
+    ) -> HotSpots:
         """Put the spots together."""
         end, component, factor = ([term[i] for term in self.terms] for i in range(3))
         return HotSpots(
@@ -226,7 +238,8 @@ class _Spots:
             scf=np.reshape(self.scf, (-1, len(SCF_NAMES))),
             kind=tuple(kind),
             reason=reason,
-            notes=notes,
+            warnings=warnings,
+            remarks=remarks,
             start=np.array(self.start, dtype=np.int64),
             term_end=np.array(end, dtype=np.int64),
             term_component=np.array(component, dtype=np.int64),
@@ -246,7 +259,7 @@ def wall_spots(frame: Frame, factor: float = 1.0) -> HotSpots:
     for end in range(frame.n_ends):
         made.wall(end, factor)
     reason = ("the case counts nominal stress",) * frame.n_ends
-    return made.finish([""] * frame.n_ends, reason, ())
+    return made.finish([""] * frame.n_ends, reason, (), ())
 
 
 def build_hot_spots(frame: Frame, fatigue: Fatigue) -> HotSpots:
@@ -276,28 +289,28 @@ def build_hot_spots(frame: Frame, fatigue: Fatigue) -> HotSpots:
         found[end] = connection_factors(joints, end, fatigue, frame.end_name[end])
         kind[end] = found[end].kind
         made.connection(joints.connection[end], joints, found[end], fatigue.chord_effect == "frame")
-    notes = (*_range_notes(found, frame, fatigue.scf_range), *_reason_notes(joints.reason))
-    return made.finish(kind, joints.reason, notes)
+    warnings = _out_of_range(found, frame, fatigue.scf_range)
+    return made.finish(kind, joints.reason, warnings, _without_connection(joints.reason))
 
 
-def _range_notes(found: dict[int, Factors], frame: Frame, how: str) -> tuple[str, ...]:
+def _out_of_range(found: dict[int, Factors], frame: Frame, how: str) -> tuple[str, ...]:
     """One line for each class of joint and parameter that is out of range."""
     groups: dict[tuple[str, str], list[tuple[float, float, str]]] = {}
     for end, factors in found.items():
         for name, value, limit in factors.outside:
             groups.setdefault((factors.kind, name), []).append((value, limit, frame.end_name[end]))
-    done = {"report": "used as it is", "larger": "the larger factor used", "clamp": "the limit used"}
+    done = {"report": "taken as it is", "larger": "the larger factor used", "clamp": "the limit used"}
     lines = []
     for (kind, name), ends in groups.items():
         value, limit, at = max(ends, key=lambda entry: abs(entry[0] - entry[1]))
         lines.append(
-            f"hot spots: {name} of {len(ends)} brace ends in {kind} joints is out of range, worst {value:.3g} "
-            f"(limit {limit:.3g}) at {at}: {done[how]}"
+            f"hot spots: {name} of {len(ends)} brace ends in {kind} joints is out of range, "
+            f"worst {value:.3g} (limit {limit:.3g}) at {at}: {done[how]}"
         )
     return tuple(lines)
 
 
-def _reason_notes(reason: tuple[str, ...]) -> tuple[str, ...]:
+def _without_connection(reason: tuple[str, ...]) -> tuple[str, ...]:
     """One line for the ends that are neither brace nor chord nor run on."""
     quiet = ("is the chord at", "runs on at")
     ends = Counter(text for text in reason if text and not text.startswith(quiet))

@@ -1,15 +1,16 @@
 """Tubular joints as the members make them: which brace end stands on which chord, and how.
 
-The chord of a joint is the pair of members that runs straight through it, the one of largest diameter and wall.
-Two pairs of the same size, as where the braces of an X cross, cannot be told apart: each is then a brace
-on the other. Without a pair a single member larger than all others is the chord. All axes meet in the
-joint, since the members meet in a node: eccentricity is nil, and gaps follow from diameters and angles.
+The chord of a joint is the pair of members that runs straight through it, the one of largest diameter and
+wall. Two pairs of the same size, as where the braces of an X cross, cannot be told apart: each is then
+a brace on the other. Without a pair a single member larger than all others is the chord. All axes meet in
+the joint, since the members meet in a node: eccentricity is nil, and gaps follow from diameters and angles.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float
@@ -54,7 +55,8 @@ class Connection:
         Unit vectors along the chord, and from the chord towards the brace.
     crown, normal : float arrays [3]
         Unit vectors across the brace from its axis towards the crown at 0 degrees and the saddle at 90. The
-        crown at 0 is the toe, on the side of the acute angle; of a brace across the chord the one along `axis`.
+        crown at 0 is the toe, on the side of the acute angle; of a brace square to the chord the one along
+        `axis`.
     """
 
     end: int
@@ -101,10 +103,6 @@ class Connection:
         """Gap in m along the chord between two braces of one plane; negative where they overlap."""
         return abs(self.foot - other.foot) - 0.5 * (self.footprint + other.footprint)
 
-    def on_chord_of(self, other: Connection) -> bool:
-        """Whether both stand on the same chord at the same joint."""
-        return self.chord == other.chord
-
 
 @dataclass(frozen=True)
 class Joints:
@@ -121,10 +119,18 @@ class Joints:
     connection: dict[int, Connection]
     reason: tuple[str, ...]
 
+    @cached_property
+    def _on_chord(self) -> dict[tuple[int, ...], list[Connection]]:
+        """Connections by their chord."""
+        found: dict[tuple[int, ...], list[Connection]] = {}
+        for connection in self.connection.values():
+            found.setdefault(connection.chord, []).append(connection)
+        return found
+
     def neighbours(self, end: int) -> tuple[list[Connection], list[Connection]]:
         """Other braces of an end's plane, on its own side of the chord and on the opposite one."""
         own = self.connection[end]
-        others = [c for c in self.connection.values() if c.end != end and own.on_chord_of(c)]
+        others = [c for c in self._on_chord[own.chord] if c.end != end]
         same = [c for c in others if own.azimuth_deg(c) < PLANE_DEG]
         opposite = [c for c in others if own.azimuth_deg(c) > 180.0 - PLANE_DEG]
         return same, opposite
@@ -218,7 +224,7 @@ class _Finder:
             pairs = [pair for pair in pairs if _same(min(size[pair[0]], size[pair[1]]), largest)]
             others = [size[end][0] for end in ends if all(end not in pair for pair in pairs)]
             if not others or largest[0] >= max(others) * (1.0 - 1e-6):
-                return _disjoint(pairs, self._bend)
+                return _disjoint(sorted(pairs, key=self._bend))
         first, *rest = sorted(ends, key=lambda end: size[end], reverse=True)
         return [(first,)] if rest and size[first][0] > size[rest[0]][0] * (1.0 + 1e-6) else []
 
@@ -308,10 +314,10 @@ def _same(a: tuple[float, float], b: tuple[float, float]) -> bool:
     return all(abs(x - y) <= 1e-6 * abs(y) for x, y in zip(a, b, strict=True))
 
 
-def _disjoint(pairs: list[tuple[int, int]], bend: object) -> list[tuple[int, ...]]:
-    """Pairs that share no end, the straightest first."""
+def _disjoint(pairs: list[tuple[int, int]]) -> list[tuple[int, ...]]:
+    """Pairs that share no end with one before."""
     kept: list[tuple[int, ...]] = []
-    for pair in sorted(pairs, key=bend):  # type: ignore[arg-type,call-overload]
+    for pair in pairs:
         if all(end not in other for other in kept for end in pair):
             kept.append(pair)
     return kept

@@ -43,6 +43,7 @@ class RunningCount:
         sn_curve(case.fatigue.sn_curve, case.fatigue.sn_file)
         warm_up()  # compiled code is loaded before anything waits for it
         self._case = case
+        self._told = False
         self._frame: Frame | None = None
         self._reduced: ReducedDescription | None = None
         self._model: FatigueModel | None = None
@@ -54,6 +55,12 @@ class RunningCount:
         return self._model is not None
 
     @property
+    def reduced(self) -> ReducedDescription:
+        """The description of the reduced model, once it is known."""
+        assert self._reduced is not None
+        return self._reduced
+
+    @property
     def is_closed(self) -> bool:
         """Whether the block marked last has been counted."""
         return self._state is not None and self._state.closed
@@ -63,10 +70,12 @@ class RunningCount:
         """Stress samples counted."""
         return 0 if self._state is None else self._state.samples
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What a reader of the results must know of the hot spots."""
-        return () if self._model is None else self._model.hot_spots.notes
+    def news(self) -> str:
+        """Say once which joints are out of the range of their equations; empty if none is, or not known."""
+        if self._model is None or self._told:
+            return ""
+        self._told = True
+        return "; ".join(self._model.hot_spots.warnings)
 
     def learn(self, *, frame: Frame | None = None, reduced: ReducedDescription | None = None) -> None:
         """Take the members of the structure, or the description of the reduced model.

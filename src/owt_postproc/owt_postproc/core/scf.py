@@ -2,8 +2,8 @@
 
 The factors that hold for one loaded brace, for balanced axial load of two braces of a plane (K) and for
 axial load through the chord (X) are joined by Efthymiou's influence functions (OTH 88): the load of another
-brace j adds (one brace - K), or (X - one brace), times N_j sin(theta_j) / (N_i sin(theta_i)). A load path need
-not be chosen: under the load of a pure path the sum is the factor of that path, exactly.
+brace j adds (one brace - K), or (X - one brace), times N_j sin(theta_j) / (N_i sin(theta_i)). No load path
+has to be chosen: under the load of a pure path the sum is the factor of that path, exactly.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ class Factors:
     kind : str
         Braces of its plane: "T/Y" none, "K" one more on its side, "KT" two or more, "X" opposite ones.
     own : float array [side, 4]
-        By chord and brace side: axial at the crown and at the saddle, in-plane and out-of-plane bending of the
-        brace, while no other brace is loaded.
+        By chord and brace side: axial at the crown and at the saddle, in-plane and out-of-plane bending of
+        the brace, while no other brace is loaded.
     balanced, through : float arrays [side, 2]
         Axial at crown and saddle where the nearest brace on its side balances it, and where an opposite one
         does; NaN without such braces.
@@ -240,8 +240,8 @@ class _Plane:
         if other.zeta < 0.0:
             mine, its = ((c.thickness, c.diameter) for c in (self.own, other.connection))
             through = 0.5 if mine < its else 1.0
-        chord = max(eq.k1(p, q, other.zeta), self.least)
-        brace = max(eq.k2(p, q, other.zeta, through), self.least)
+        chord = max(eq.k1(p, [q], other.zeta), self.least)
+        brace = max(eq.k2(p, [q], other.zeta, through), self.least)
         # All braces bent alike have F4 on the whole, one brace F3: the difference is the neighbours'.
         beta_max = max(p.beta, *(n.shape.beta for n in self.same))
         f3, f4 = eq.short_chord_out_of_plane(p), eq.short_chord_k(p)
@@ -296,11 +296,8 @@ class _Plane:
 
 def _gap(a: Connection, b: Connection, fatigue: Fatigue) -> float:
     """Gap of two neighbours in m, of the case where it gives one."""
-    for key in (a.joint,):
-        choice = fatigue.joints.get(key)
-        if choice is not None and choice.gap_m is not None:
-            return choice.gap_m
-    return a.gap(b)
+    choice = fatigue.joints.get(a.joint)
+    return a.gap(b) if choice is None or choice.gap_m is None else choice.gap_m
 
 
 def _shape(c: Connection, by_length: bool) -> Shape:

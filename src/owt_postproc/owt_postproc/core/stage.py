@@ -7,6 +7,7 @@ count (chapter 5), and never turned into damage.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -41,7 +42,7 @@ CHANNELS = ("axial", "bending_y", "bending_z", "von_mises")
 #: Samples that are turned into channels at a time, and values from which a second thread is worth its start.
 CHUNK, WORTH_A_THREAD = 4096, 100_000
 #: A curve that gives no damage.
-NO_DAMAGE = (np.inf, 0.0, 1.0, 0.0, 1.0)
+NO_DAMAGE = (np.inf, 0.0, 3.0, 0.0, 3.0)
 
 
 @dataclass(frozen=True)
@@ -298,9 +299,8 @@ def _count(model: FatigueModel, state: FatigueState, rows: Float[np.ndarray, "ro
         results = stack, depth, last, totals, count, histogram
 
         def part(channels: tuple[int, int], into: tuple[np.ndarray, ...] = results) -> int:
-            return kernel.count_block(
-                rows, *channels, *model.terms, model.coefficients, LOWEST_PA, float(BINS_PER_DECADE), *into
-            )
+            fixed = (*model.terms, model.coefficients, LOWEST_PA, float(BINS_PER_DECADE))
+            return int(kernel.count_block(rows, *channels, *fixed, *into))
 
         longest = max(map_threads(part, _shares(model.n_channels, rows.shape[1])))
         if longest <= capacity:
@@ -312,7 +312,7 @@ def _shares(channels: int, samples: int) -> list[tuple[int, int]]:
     """Ranges of channels, one for each thread that is worth it; results do not depend on their number."""
     n = max(1, min(thread_count(), channels * samples // WORTH_A_THREAD))
     edges = [channels * i // n for i in range(n + 1)]
-    return list(zip(edges[:-1], edges[1:], strict=True))
+    return list(itertools.pairwise(edges))
 
 
 def final(model: FatigueModel, state: FatigueState) -> FatigueResult:

@@ -53,6 +53,32 @@ def _book(ranges, halves, found, curve, lowest, bins_per_decade, totals, count, 
             histogram[_bin(ranges[j], lowest, bins_per_decade, histogram.size)] += halves[j]
 
 
+@njit(cache=True, nogil=True, fastmath={"contract"})
+def _sum_terms(stress, begin, length, row, factor, first, stop, signal):
+    """Sum the terms from `first` to before `stop`, one at least, three in each pass over the signal."""
+    at = slice(begin, begin + length)
+    head = (stop - first - 1) % 3 + 1
+    a, p = stress[row[first], at], factor[first]
+    if head == 1:
+        for i in range(length):
+            signal[i] = p * a[i]
+    elif head == 2:
+        b, q = stress[row[first + 1], at], factor[first + 1]
+        for i in range(length):
+            signal[i] = p * a[i] + q * b[i]
+    else:
+        b, q = stress[row[first + 1], at], factor[first + 1]
+        c, r = stress[row[first + 2], at], factor[first + 2]
+        for i in range(length):
+            signal[i] = p * a[i] + q * b[i] + r * c[i]
+    for term in range(first + head, stop, 3):
+        a, p = stress[row[term], at], factor[term]
+        b, q = stress[row[term + 1], at], factor[term + 1]
+        c, r = stress[row[term + 2], at], factor[term + 2]
+        for i in range(length):
+            signal[i] += p * a[i] + q * b[i] + r * c[i]
+
+
 @njit(cache=True, nogil=True)
 def count_block(
     stress, first, last_channel, start, row, factor, curve, lowest, bins_per_decade,
@@ -100,13 +126,7 @@ def count_block(
     for begin in range(0, n, SLICE):
         length = min(SLICE, n - begin)
         for c in range(first, last_channel):
-            source, weight = stress[row[start[c]], begin : begin + length], factor[start[c]]
-            for i in range(length):
-                signal[i] = weight * source[i]
-            for term in range(start[c] + 1, start[c + 1]):
-                source, weight = stress[row[term], begin : begin + length], factor[term]
-                for i in range(length):
-                    signal[i] += weight * source[i]
+            _sum_terms(stress, begin, length, row, factor, start[c], start[c + 1], signal)
             residue = stack[c]
             for j in range(depth[c]):
                 work[j] = residue[j]

@@ -3,6 +3,9 @@
 The state of a channel is the *residue*, the turning points that no closed cycle has taken yet, and the
 last sample, which becomes a turning point once the signal turns. A channel without samples has an
 empty residue. Nothing else is remembered, so cutting the signal into pieces changes no cycle.
+
+Where the record repeats for ever, no range holds its first point: nothing is half a cycle, the first turning
+points stay in the residue as well (four-point rule), and at the end it is closed to a loop.
 """
 
 from __future__ import annotations
@@ -10,17 +13,19 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["close_residue", "extract_cycles"]
+__all__ = ["close_loop", "close_residue", "extract_cycles"]
 
 
 @njit(cache=True, nogil=True)
-def _push(stack, depth, value, ranges, means, halves, found):
+def _push(stack, depth, value, ranges, means, halves, found, repeats):
     """Append a turning point and take out every cycle that it closes; returns (depth, found)."""
     stack[depth] = value
     depth += 1
     while depth >= 3:
         inner = abs(stack[depth - 2] - stack[depth - 3])
         if abs(stack[depth - 1] - stack[depth - 2]) < inner:
+            break
+        if repeats and (depth == 3 or abs(stack[depth - 3] - stack[depth - 4]) < inner):
             break
         ranges[found] = inner
         means[found] = 0.5 * (stack[depth - 2] + stack[depth - 3])
@@ -38,7 +43,7 @@ def _push(stack, depth, value, ranges, means, halves, found):
 
 
 @njit(cache=True, nogil=True)
-def extract_cycles(signal, stack, depth, last, ranges, means, halves):
+def extract_cycles(signal, stack, depth, last, ranges, means, halves, repeats=False):
     """Count the samples of `signal` on top of a residue.
 
     Parameters
@@ -53,6 +58,8 @@ def extract_cycles(signal, stack, depth, last, ranges, means, halves):
         Receive the cycles closed, in the order in which they close.
     halves : int array [>= depth + n + 1]
         Receives 2 for a full cycle, 1 for half a cycle.
+    repeats : bool
+        Whether the record repeats for ever: full cycles only.
 
     Returns
     -------
@@ -73,7 +80,29 @@ def extract_cycles(signal, stack, depth, last, ranges, means, halves):
     for i in range(first, n):
         value = signal[i]
         if ((last > point) & (value < last)) | ((last < point) & (value > last)):
-            depth, found = _push(stack, depth, last, ranges, means, halves, found)
+            # As _push, which costs four times as much here: a call for every turning point.
+            stack[depth] = last
+            depth += 1
+            outer = abs(last - point)
+            while depth >= 3:
+                inner = abs(stack[depth - 2] - stack[depth - 3])
+                if outer < inner:
+                    break
+                if repeats and (depth == 3 or abs(stack[depth - 3] - stack[depth - 4]) < inner):
+                    break
+                ranges[found] = inner
+                means[found] = 0.5 * (stack[depth - 2] + stack[depth - 3])
+                if depth == 3:
+                    halves[found] = 1
+                    stack[0] = stack[1]
+                    stack[1] = last
+                    depth = 2
+                else:
+                    halves[found] = 2
+                    stack[depth - 3] = last
+                    depth -= 2
+                    outer = abs(last - stack[depth - 2])
+                found += 1
             point = last
         last = value
     return depth, last, found
@@ -91,13 +120,46 @@ def close_residue(residue, depth, last, stack, ranges, means, halves):
         stack[i] = residue[i]
     found = 0
     if last != stack[depth - 1]:
-        depth, found = _push(stack, depth, last, ranges, means, halves, found)
+        depth, found = _push(stack, depth, last, ranges, means, halves, found, False)
     for i in range(1, depth):
         ranges[found] = abs(stack[i] - stack[i - 1])
         means[found] = 0.5 * (stack[i] + stack[i - 1])
         halves[found] = 1
         found += 1
     return found
+
+
+@njit(cache=True, nogil=True)
+def close_loop(residue, depth, last, ranges, means, halves):
+    """Cycles of a residue whose record repeats for ever: those of one loop from its largest peak back to it.
+
+    `ranges`, `means` and `halves` (length >= depth + 3) receive full cycles. Returns the number found.
+    """
+    if depth == 0:
+        return 0
+    n = depth if last == residue[depth - 1] else depth + 1
+    loop, stack = np.empty(n + 1), np.empty(n + 3)
+    top = 0
+    for i in range(n):
+        stack[i] = residue[i] if i < depth else last
+        if stack[i] > stack[top]:
+            top = i
+    for i in range(n + 1):
+        loop[i] = stack[(top + i) % n]
+    depth, last, found = extract_cycles(loop, stack, 0, 0.0, ranges, means, halves)
+    found += close_residue(
+        stack, depth, last, np.empty(depth + 1), ranges[found:], means[found:], halves[found:]
+    )
+    # Half cycles here are the ways from the largest peak to a valley and back, one after the other.
+    kept, is_way_back = 0, False
+    for j in range(found):
+        if halves[j] == 1:
+            is_way_back = not is_way_back
+            if is_way_back:
+                continue
+        ranges[kept], means[kept], halves[kept] = ranges[j], means[j], 2
+        kept += 1
+    return kept
 
 
 def warm_up() -> None:
@@ -107,3 +169,5 @@ def warm_up() -> None:
     halves = np.zeros(8, dtype=np.int64)
     depth, last, _ = extract_cycles(series, stack, 0, 0.0, ranges, means, halves)
     close_residue(stack, depth, last, np.zeros(8), ranges, means, halves)
+    depth, last, _ = extract_cycles(series, stack, 0, 0.0, ranges, means, halves, True)
+    close_loop(stack, depth, last, ranges, means, halves)

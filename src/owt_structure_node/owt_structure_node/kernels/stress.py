@@ -41,6 +41,28 @@ def end_stress(force, fixed, substeps, sign, section, axial, bending_y, bending_
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
+def _less_carried(force, carried, part, out):
+    """Take off the carried load between its samples; `part` are the shares of an interval passed."""
+    substeps, row = part.size, 0
+    if substeps == 5:  # the usual ratio of the steps, unrolled: a third faster
+        p, q, r, s = part[0], part[1], part[2], part[3]
+        for i in range(carried.size - 1):
+            before, rise = carried[i], carried[i + 1] - carried[i]
+            out[row] = force[row] - (before + p * rise)
+            out[row + 1] = force[row + 1] - (before + q * rise)
+            out[row + 2] = force[row + 2] - (before + r * rise)
+            out[row + 3] = force[row + 3] - (before + s * rise)
+            out[row + 4] = force[row + 4] - carried[i + 1]
+            row += 5
+        return
+    for i in range(carried.size - 1):
+        before, rise = carried[i], carried[i + 1] - carried[i]
+        for k in range(substeps):
+            out[row] = force[row] - (before + part[k] * rise)
+            row += 1
+
+
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def end_stress_rows(
     force, carried, lead, substeps, sign, section, work, axial, bending_y, bending_z, von_mises
 ):
@@ -49,18 +71,15 @@ def end_stress_rows(
     `carried` [6 end, sample] are equivalent nodal loads, minus the fixed-end forces. The first `lead` rows
     (0 or 1) are at the first sample, the others follow it, `substeps` per interval. `work` is [6, row].
     """
-    rows, intervals = force.shape[1], carried.shape[1] - 1
+    rows = force.shape[1]
+    part = np.empty(substeps)
+    for k in range(substeps):
+        part[k] = (k + 1) / substeps
     for e in range(sign.size):
         for c in range(6):
-            f, load, out = force[6 * e + c], carried[6 * e + c], work[c]
             if lead:
-                out[0] = f[0] - load[0]
-            row = lead
-            for i in range(intervals):
-                before, rise = load[i], load[i + 1] - load[i]
-                for k in range(substeps):
-                    out[row] = f[row] - (before + (k + 1) / substeps * rise)
-                    row += 1
+                work[c, 0] = force[6 * e + c, 0] - carried[6 * e + c, 0]
+            _less_carried(force[6 * e + c, lead:], carried[6 * e + c], part, work[c, lead:])
         per_area, per_inertia, per_torsion, shear = section[0, e], section[1, e], section[2, e], section[3, e]
         s = sign[e]
         n_out, y_out, z_out, out = axial[e], bending_y[e], bending_z[e], von_mises[e]

@@ -96,8 +96,8 @@ def _ratio_rows(found: Sensitivity) -> list[Row]:
         "damping": "the highest of the three",
         "frequency": "a little smaller than the reference",
     }
-    means = {
-        name: [np.mean([_increase(found, name, seed, "published") for seed in found.seeds]),
+    means: dict[str, list[float]] = {
+        name: [float(np.mean([_increase(found, name, seed, "published") for seed in found.seeds])),
                _increase(found, name, 1, "alike")]
         for name in words
     }  # fmt: skip
@@ -115,7 +115,7 @@ def _ratio_rows(found: Sensitivity) -> list[Row]:
             Row(name, "5.3, figure 5.6", printed, float(np.mean(each)), "%", (min(each), max(each)),
                 verdicts.get(structure, ""))
         )  # fmt: skip
-        rows.append(Row(f"the same, {_ALIKE}", "5.3, figure 5.6", None, float(means[structure][1]), "%"))
+        rows.append(Row(f"the same, {_ALIKE}", "5.3, figure 5.6", None, means[structure][1], "%"))
     return rows
 
 

@@ -28,7 +28,12 @@ end, each sea state of the load-case table by its probability. Model `oc4-thesis
 load vectors all runs share, 600 s, loads every 0.1 s and exact integration of loads linear in between.
 Second order: Taylor expansion; linear: constant extrapolation above still water, unless another one is
 named; cut-off 4 omega_p unless another one is named. The thesis prints neither which extrapolation its
-linear model has, nor the occurrences of other directions than 330 degrees."""
+linear model has, nor the occurrences of other directions than 330 degrees.
+
+Shared load vectors cost accuracy at single places. In two sea states (Hs 5.25 m from 330 and from 240 degrees),
+against vectors of each sea's own loads: total stress of an end within 6 %, its ratio second order over linear
+within 1.5 %; damage of a joint's worst hot spot within 18 % (3 % at the most damaged one), its ratio within 5 %.
+Smaller differences between single members are not found here."""
 
 
 def run(*, full: bool, progress: Progress) -> StudyResult:

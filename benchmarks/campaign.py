@@ -29,7 +29,7 @@ TABLE, LARGE, CLUSTER = 507, 10_000, 64
 
 @dataclass(frozen=True)
 class Run:
-    """What one way of running gave: s from the first case to the last, of the start, and of the client's CPU."""
+    """What one way gave; in s: from the first case to the last, the start, processor time of the client."""
 
     wall: float
     start: float
@@ -95,12 +95,11 @@ def bench_campaign(table: Table) -> None:
     one, two = runs[1], runs[2]
     table.note(part, "cases a minute, 2 workers", 60.0 * n / two.wall, "")
     table.note(part, "gain of the second worker", one.wall / two.wall, "x")
-    # Time of the only worker in which no case was computed: messages, scheduling, writing of results. It grows
-    # where others use the machine; processor time of the scheduler and the client does not.
+    # Time of the only worker in which no case was computed: messages, scheduling, writing of results. It
+    # grows where others use the machine; processor time of the scheduler and the client does not.
     table.note(part, "time that Dask adds, 1 worker", 100.0 * (one.wall - one.busy) / one.wall, "%")
-    table.note(
-        part, "processor time that Dask adds, 1 worker", 100.0 * one.client / (one.client + one.cpu), "%"
-    )
+    added = 100.0 * one.client / (one.client + one.cpu)
+    table.note(part, "processor time that Dask adds, 1 worker", added, "%")
     table.note(part, "start of 2 workers", two.start, "s")
     table.note(part, "largest memory of a worker", two.memory, "MiB")
     client = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0

@@ -7,6 +7,7 @@ structures at a time; a worker that takes more than its memory is started again.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -154,6 +155,7 @@ class _Clusters:
     def __init__(self, cases: Sequence[CaseConfig], method: str) -> None:
         self._method = method
         self._members: dict[str, dict[str, CaseConfig]] = {}
+        self._identities: dict[tuple[str, str], str] = {}
         if method == "spec":
             return
         for case in cases:
@@ -175,7 +177,13 @@ class _Clusters:
 
     def identity(self, name: str, structure: str) -> str:
         """What its vectors depend on."""
-        return " ".join(case_key(case, structure) for case in self.cases(name)) if name else ""
+        if not name:
+            return ""
+        known = self._identities.get((name, structure))
+        if known is None:
+            keys = " ".join(case_key(case, structure) for case in self.cases(name))
+            known = self._identities[name, structure] = hashlib.sha256(keys.encode()).hexdigest()
+        return known
 
 
 def _begin(

@@ -28,10 +28,10 @@ factors, DNV-RP-C203 curve T in seawater with cathodic protection), sea states b
 the assumed wave rose. Second order: Taylor expansion; linear: constant extrapolation unless another one
 is named; cut-off 4 omega_p.
 
-Shared load vectors cost accuracy at single places. In two sea states (Hs 5.25 m from 330 and from 240 degrees),
-against vectors of each sea's own loads: total stress of an end within 6 %, its ratio second order over linear
-within 1.5 %; damage of a joint's worst hot spot within 18 % (3 % at the most damaged one), its ratio within 5 %.
-Smaller differences between single members are not found here."""
+Shared load vectors cost accuracy at single places. In two sea states (Hs 5.25 m from 330 and from 240
+degrees), against vectors of each sea's own loads: total stress of an end within 6 %, its ratio second
+order over linear within 1.5 %; damage of a joint's worst hot spot within 18 % (3 % at the most damaged
+one), its ratio within 5 %. Smaller differences between single members are not found here."""
 #: Joints that the table shows, and seconds of a year.
 SHOWN, YEAR_S = 12, 3.15576e7
 

@@ -68,10 +68,10 @@ def _loads(table: Table, order: int, per_point: float) -> None:
     """Time the loads on the jacket as a whole and stage by stage."""
     from owt_model.config import parse_case
     from owt_model.mesh import build_mesh
+    from owt_model.parallel import map_threads
     from owt_model.structure import load_structure
     from owt_wave_node.core.hydro_mesh import case_hydro_mesh
     from owt_wave_node.core.loads import prepare_loads
-    from owt_wave_node.core.parallel import map_threads
     from owt_wave_node.core.route import make_field
     from owt_wave_node.core.sea import Frame, build_sea_state
 

@@ -49,8 +49,8 @@ def _write(file: NpzFile, windows: LoadWindows) -> None:
     """Write the arrays; the resultants of all windows are kept until the nodal loads are through."""
     import numpy as np
 
+    from owt_model.parallel import slices
     from owt_wave_node.core.loads import nodal_rows, resultant
-    from owt_wave_node.core.parallel import slices
 
     mesh, n = windows.hydro.mesh, windows.field.n
     total = []

@@ -15,13 +15,13 @@ from jaxtyping import Bool, Float, Int
 
 from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError
+from owt_model.parallel import map_threads
 from owt_wave_node.core.coefficients import coefficient_at
 from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.diffraction import extra_acceleration, refuse_impossible
 from owt_wave_node.core.ends import end_loads
 from owt_wave_node.core.field import Field, Prepared
 from owt_wave_node.core.hydro_mesh import HydroMesh, Run
-from owt_wave_node.core.parallel import map_threads
 from owt_wave_node.core.sea import Frame
 from owt_wave_node.kernels import morison as _kernel
 from owt_wave_node.kernels.sections import sectional

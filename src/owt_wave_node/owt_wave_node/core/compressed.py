@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from owt_model.errors import ComputationError
+from owt_model.parallel import map_threads
 from owt_wave_node.core.compression import CompressedSea, Table, product
 from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
-from owt_wave_node.core.parallel import map_threads
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.window import FINE, Window, window_of
 from owt_wave_node.kernels import compressed as _kernel

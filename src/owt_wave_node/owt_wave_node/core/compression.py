@@ -20,9 +20,9 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from owt_model.errors import ComputationError
+from owt_model.parallel import map_threads, slices
 from owt_wave_node.core.chebyshev import chebyshev_basis
 from owt_wave_node.core.grid import FrequencyGrid
-from owt_wave_node.core.parallel import map_threads, slices
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import set_down
 from owt_wave_node.core.window import FINE, QUICK, Bell, Window, spread_window

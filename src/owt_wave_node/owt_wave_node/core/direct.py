@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from owt_model.parallel import slices
 from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
-from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import pair_tables, set_down

@@ -12,10 +12,10 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float, Int
 
+from owt_model.parallel import map_threads, slices
 from owt_wave_node.core.directional_sea import Coefficients, DirectionalSea
 from owt_wave_node.core.field import Kinematics, Place, Prepared, Profile, Series
 from owt_wave_node.core.lines import Lines, grid_lines, listed_lines
-from owt_wave_node.core.parallel import map_threads, slices
 from owt_wave_node.core.sea import Waves
 
 __all__ = ["DirectionalField"]

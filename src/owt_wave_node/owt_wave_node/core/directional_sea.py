@@ -13,9 +13,9 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from owt_model.parallel import map_threads, slices, thread_count
 from owt_wave_node.core.field import Place, Profile
 from owt_wave_node.core.grid import PHASE_TOLERANCE, frequency_grid
-from owt_wave_node.core.parallel import map_threads, slices, thread_count
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import set_down

@@ -16,8 +16,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Complex, Float, Inexact, Int
 
+from owt_model.parallel import map_threads, slices
 from owt_wave_node.core.grid import FrequencyGrid
-from owt_wave_node.core.parallel import map_threads, slices
 from owt_wave_node.core.profile import first_order_profile, second_order_level
 from owt_wave_node.core.sea import Waves
 from owt_wave_node.core.transfer import pair_tables, set_down

@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Float
 
 from owt_model.config import CaseConfig
+from owt_model.parallel import map_threads
 from owt_wave_node.core.assembly import Sections
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.hydro_mesh import HydroMesh
-from owt_wave_node.core.parallel import map_threads
 from owt_wave_node.core.sea import Frame
 
 __all__ = ["drag_damping", "relative_force"]

@@ -9,9 +9,9 @@ from jaxtyping import Bool, Float
 
 from owt_model.config import CaseConfig
 from owt_model.errors import ComputationError, InputError
+from owt_model.parallel import slices
 from owt_wave_node.core.current import current_velocity
 from owt_wave_node.core.field import Field
-from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import Frame, build_sea_state, sea_field, sea_height

@@ -13,11 +13,11 @@ from owt_model.config import CaseConfig
 from owt_model.contracts import SeaState
 from owt_model.errors import InputError
 from owt_model.mesh import Mesh
+from owt_model.parallel import slices
 from owt_wave_node.core.assembly import LoadHistory, assemble
 from owt_wave_node.core.field import Field
 from owt_wave_node.core.hydro_mesh import HydroMesh, case_hydro_mesh, interface_level
 from owt_wave_node.core.kinematics import check_bed
-from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.profile import check_extrapolation
 from owt_wave_node.core.route import EXACT, make_field
 from owt_wave_node.core.sea import Frame, build_sea_state, sea_field, sea_height

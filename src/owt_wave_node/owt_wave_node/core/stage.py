@@ -16,13 +16,13 @@ from jaxtyping import Float
 from owt_model.config import CaseConfig
 from owt_model.contracts import END_FORCE, ElevationBlock, LoadBasis, LoadBlock, LoadRows
 from owt_model.mesh import Mesh
+from owt_model.parallel import slices
 from owt_model.pod import Scatter, load_basis
 from owt_model.timing import sample_time_ns
 from owt_wave_node.core.assembly import LoadHistory
 from owt_wave_node.core.hydro_damping import drag_damping
 from owt_wave_node.core.hydro_mesh import HydroMesh
 from owt_wave_node.core.loads import LoadWindows, prepare_loads
-from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.route import make_field
 from owt_wave_node.core.sea import build_sea_state
 from owt_wave_node.core.window import window_of

@@ -19,10 +19,10 @@ from jaxtyping import Complex, Float, Int
 from numpy.polynomial.chebyshev import chebval
 
 from owt_model.errors import ComputationError
+from owt_model.parallel import slices
 from owt_wave_node.core.chebyshev import chebyshev_basis
 from owt_wave_node.core.field import Field, Kinematics, Place, Prepared, Profile, Series
 from owt_wave_node.core.grid import FrequencyGrid
-from owt_wave_node.core.parallel import slices
 from owt_wave_node.core.transform import plan_transform
 from owt_wave_node.kernels import compressed as _kernel
 

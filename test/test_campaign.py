@@ -17,11 +17,13 @@ import pytest
 import xarray as xr
 
 from owt_bringup.cli import main
+from owt_campaign import dask_pool
 from owt_campaign.dask_pool import ALLOWED_DEATHS, DaskPool, WorkerLostError
 from owt_campaign.engine import CaseOutcome
 from owt_campaign.result_file import decode_outcome, encode_outcome
 from owt_campaign.runner import CaseRecord, run_cases
 from owt_campaign.store import ResultStore
+from owt_campaign.worker import compute_case
 from owt_model.config import CaseConfig, parse_case
 from owt_model.errors import ComputationError, InputError
 
@@ -97,8 +99,6 @@ def test_a_scheduler_of_ones_own(cases: list[CaseConfig], reference: list[CaseOu
 
 
 def test_a_scheduler_that_is_not_there_is_one_error() -> None:
-    from owt_campaign import dask_pool
-
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(dask_pool, "CONNECT_TIMEOUT", 1.0)
         for address in ("tcp://127.0.0.1:9", "nonsense://x", "tcp://"):
@@ -161,6 +161,20 @@ def test_dead_workers_are_replaced_and_their_work_repeated(tmp_path: Path) -> No
     assert isinstance(found["always"], WorkerLostError)
     assert f"{ALLOWED_DEATHS + 1} workers died" in str(found["always"])
     assert found["fine"] == "fine"
+
+
+def test_workers_import_before_their_first_case() -> None:
+    """What a case imports is not paid by the first one, while the other workers wait."""
+
+    def loaded(name: str) -> bool:
+        import sys
+
+        return name in sys.modules
+
+    with DaskPool(1) as pool:
+        calls = [(name, loaded, (name,)) for name in (dask_pool.CASE_MODULE, "owt_viewer")]
+        found = {done.job: done.result for done in pool.run(calls)}
+    assert found == {compute_case.__module__: True, "owt_viewer": False}
 
 
 def test_results_are_read_as_they_were_written(reference: list[CaseOutcome]) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from owt_campaign.studies.basis_errors import basis_errors
 from owt_campaign.studies.beyond import cells_for, load_factor, seed_scatter
 from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.modal_contribution import modal_contribution
@@ -19,15 +20,15 @@ from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, occ
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import Sea, StressRuns
 from owt_campaign.studies.wave_comparison import energy_peaks
+from owt_campaign.studies.wave_totals import run_table
 from owt_postproc.core.sn import sn_curve
 from owt_postproc.core.stage import BINS_PER_DECADE, LOWEST_PA
 
 STUDY = Path(__file__).parents[1] / "docs" / "study"
 NAMES = ("wave-comparison", "sensitivity", "reduction", "modal-contribution", "beyond")
 HIGHEST = load_case_table()[-1]
-#: The tests take load vectors of three sea states, the studies those of 23: what either leaves out, in means
-#: over the structure, and in the damage of one hot spot.
-OTHER_VECTORS, OTHER_VECTORS_DAMAGE = 5e-3, 0.06
+#: Round-off of another machine's libraries in sums over a record.
+ROUND_OFF = 1e-4
 
 
 def silent(done: float, total: float) -> None:
@@ -41,7 +42,7 @@ def committed(name: str) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def runs() -> StressRuns:
-    return StressRuns([few_cells()[-1], few_cells()[-2], HIGHEST])
+    return StressRuns()
 
 
 def kinetic(runs: StressRuns, wave: str, structure: str = "reference") -> np.ndarray:
@@ -55,17 +56,17 @@ def test_wave_comparison(runs: StressRuns) -> None:
     row = next(r for r in kept["cells"] if r[:3] == [cell.hs_m, cell.from_deg, cell.tp_s])
     for wave, value in zip((LINEAR, SECOND_ORDER), row[3:], strict=True):
         record = runs.records(Sea(cell, 1, wave))["reference"]
-        assert record.total_stress.mean() == pytest.approx(value, rel=OTHER_VECTORS)
+        assert record.total_stress.mean() == pytest.approx(value, rel=ROUND_OFF)
     found = energy_peaks(kinetic(runs, LINEAR), kinetic(runs, SECOND_ORDER)).factor[10.0]
     factors = kept["kinetic_factor"][f"{LINEAR}, 4 omega_p"]["20 s"]
-    assert found == pytest.approx(factors[0], rel=OTHER_VECTORS)
-    assert found != pytest.approx(factors[1], rel=OTHER_VECTORS)  # negative control: another seed
+    assert found == pytest.approx(factors[0], rel=ROUND_OFF)
+    assert found != pytest.approx(factors[1], rel=ROUND_OFF)  # negative control: another seed
 
 
 def test_sensitivity(runs: StressRuns) -> None:
     kept = committed("sensitivity")["mean_kinetic_j"]
     found = kinetic(runs, SECOND_ORDER, "damping").mean()
-    assert found == pytest.approx(kept["damping"][0], rel=OTHER_VECTORS)
+    assert found == pytest.approx(kept["damping"][0], rel=ROUND_OFF)
     assert found != pytest.approx(kept["reference"][0], rel=0.1)
 
 
@@ -106,9 +107,39 @@ def test_beyond(runs: StressRuns) -> None:
             r[3] for r in kept["cell_damage"][wave] if r[:3] == [cell.hs_m, cell.from_deg, cell.tp_s]
         )
         damage = runs.records(Sea(cell, 1, wave))["reference"].damage
-        assert damage[spot] == pytest.approx(value, rel=OTHER_VECTORS_DAMAGE)
+        assert damage[spot] == pytest.approx(value, rel=ROUND_OFF)
     low = runs.records(Sea(few_cells()[0], 1))["reference"].damage[spot]
-    assert low != pytest.approx(value, rel=OTHER_VECTORS_DAMAGE)  # negative control: another sea state
+    assert low != pytest.approx(value, rel=0.1)  # negative control: another sea state
+
+
+def test_errors_at_single_places(runs: StressRuns) -> None:
+    """What the energy hides: one of the sea states of the page, against the unreduced model."""
+    kept = committed("beyond")["basis_errors"]
+    found = basis_errors(runs, [HIGHEST], silent, ("CB10M10", "CB20M40"))
+    for name, errors in found.items():
+        for key, value in vars(errors).items():
+            assert value <= kept[name][key] * (1.0 + 1e-2), (name, key)  # the page has the largest of four
+    small, large = found["CB10M10"], found["CB20M40"]
+    assert large.stress < 0.5 * small.stress
+    assert small.stress > 10.0 * small.energy
+    assert max(value / kept["CB10M10"][key] for key, value in vars(small).items()) > 0.99
+
+
+def test_runs_are_the_same_whoever_computes_them() -> None:
+    """Bit by bit, and in the order of the plan."""
+    plan = [(seed, SECOND_ORDER, few_cells()[:2], ("reference", "damping")) for seed in (1, 2)]
+    here, there = (run_table(200, plan, silent, workers=workers) for workers in (0, 2))
+    assert list(here) == list(there) == ["reference", "damping"]
+    for structure, runs in here.items():
+        assert list(runs.records) == list(there[structure].records)
+        for key, cells in runs.records.items():
+            others = there[structure].records[key]
+            assert list(cells) == list(others)
+            for cell, record in cells.items():
+                for name, value in vars(record).items():
+                    np.testing.assert_array_equal(value, getattr(others[cell], name))
+    one, two = (next(iter(here["reference"].records[seed, SECOND_ORDER].values())) for seed in (1, 2))
+    assert (one.total_stress != two.total_stress).all()  # negative control: another seed
 
 
 @pytest.mark.parametrize("name", NAMES)

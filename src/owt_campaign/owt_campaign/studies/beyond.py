@@ -10,14 +10,15 @@ from jaxtyping import Float, Int
 from scipy.optimize import brentq
 
 from owt_campaign.shared_model import SharedModel
+from owt_campaign.studies.basis_errors import BasisErrors, basis_errors, compared_cells
 from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.reduction import further_seeds
 from owt_campaign.studies.reduction_runs import SPECIFIC, SeaErrors, table_errors
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, occurrence, study_cells
+from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, occurrence
 from owt_campaign.studies.store import Store
-from owt_campaign.studies.stress_runs import StressRuns, thinned
-from owt_campaign.studies.wave_comparison import table_plan
+from owt_campaign.studies.stress_runs import StressRuns
+from owt_campaign.studies.wave_comparison import processes, table_plan
 from owt_campaign.studies.wave_totals import TableRuns, run_table
 from owt_postproc.core.stage import BINS_PER_DECADE, LOWEST_PA
 
@@ -86,6 +87,10 @@ class Beyond:
         Errors of reduced models by seed and cell.
     scatter : SeedScatter
         Of the damage of the worst hot spot.
+    basis : dict of BasisErrors
+        Stress and damage of reduced models against the unreduced one, by basis.
+    basis_cells : list of Cell
+        Sea states that these errors are of.
     """
 
     table: TableRuns
@@ -94,17 +99,16 @@ class Beyond:
     spot_number: Mapping[str, int]
     errors: Mapping[int, Mapping[Cell, SeaErrors]]
     scatter: SeedScatter
+    basis: Mapping[str, BasisErrors]
+    basis_cells: Sequence[Cell]
 
-    @property
-    def seeds_of_table(self) -> float:
-        """Seeds per sea state that bring the damage of all that are run within 5 %, by the pooled scatter."""
-        damage = self.cell_damage()
-        part = occurrence(list(damage)) * np.array(list(damage.values()))
-        return float((QUANTILE * self.scatter.pooled / WANTED) ** 2 * (part**2).sum() / part.sum() ** 2)
-
-    def cell_damage(self, seed: int = 1, wave: str = SECOND_ORDER) -> dict[Cell, float]:
-        """Damage of the worst hot spot in 600 s of each cell."""
-        return {cell: float(r.damage[self.worst]) for cell, r in self.table.records[seed, wave].items()}
+    def cell_damage(self, seed: int | None = None, wave: str = SECOND_ORDER) -> dict[Cell, float]:
+        """Damage of the worst hot spot in 600 s of each cell, mean of the seeds where none is named."""
+        found: dict[Cell, list[float]] = {}
+        for number in self.table.seeds(wave) if seed is None else [seed]:
+            for cell, record in self.table.records[number, wave].items():
+                found.setdefault(cell, []).append(float(record.damage[self.worst]))
+        return {cell: float(np.mean(values)) for cell, values in found.items()}
 
 
 @dataclass(frozen=True)
@@ -135,14 +139,17 @@ class SeedScatter:
 
 def beyond_study(*, full: bool, progress: Progress) -> Beyond:
     """Run the study."""
-    table_cells = list(load_case_table()) if full else few_cells()
-    cells = study_cells() if full else few_cells()
+    cells = list(load_case_table()) if full else few_cells()
     samples, store = 6000 if full else 1200, Store()
-    runs = StressRuns(thinned(table_cells) if full else cells[:1], samples=samples, store=store)
-    table = run_table(runs, table_plan(table_cells, full=full), progress)["reference"]
+    runs = StressRuns(samples=samples, store=store)
+    table = run_table(samples, table_plan(cells, full=full), progress, workers=processes(full=full))[
+        "reference"
+    ]
     errors = table_errors(
         cells, further_seeds(cells, full=full), samples=samples, store=store, progress=progress
     )
+    compared = compared_cells(full=full)
+    basis = basis_errors(runs, compared, progress)
     damage = table.total(SECOND_ORDER, part="damage")
     worst = int(damage.argmax())
     model = runs.model("reference")
@@ -153,6 +160,8 @@ def beyond_study(*, full: bool, progress: Progress) -> Beyond:
         spot_number={name: i for i, name in enumerate(model.fatigue.hot_spots.name)},
         errors=errors,
         scatter=seed_scatter(_by_seed(table, worst)),
+        basis=basis,
+        basis_cells=compared,
     )
 
 

@@ -147,9 +147,8 @@ REDUCED = tuple(Part(wave, TABLE_CUTOFF, ("D.1",), (HIGH,), SEEDS[:1]) for wave 
 OTHERS = ("linear, Wheeler", "linear, Taylor")
 FULL = (
     *(Part(wave, TABLE_CUTOFF, ("D.1", "D.2"), (HIGH, LOW)) for wave in (LINEAR, SECOND_ORDER)),
-    *(Part(wave, STEEP_CUTOFF, ("D.1",), (HIGH,)) for wave in (LINEAR, SECOND_ORDER)),
-    *(Part(wave, TABLE_CUTOFF, ("D.1",), (HIGH,)) for wave in OTHERS),
-    *(Part(wave, TABLE_CUTOFF, ("D.1",), (LOW,), SEEDS[:1]) for wave in OTHERS),
+    *(Part(wave, STEEP_CUTOFF, ("D.1",), (HIGH, LOW)) for wave in (LINEAR, SECOND_ORDER)),
+    *(Part(wave, TABLE_CUTOFF, ("D.1",), (HIGH, LOW)) for wave in OTHERS),
 )
 
 #: (table, Hs, wave model, cut-off, seed) -> mean stress of the weighted Tp, weighted one of the specific.

@@ -25,8 +25,6 @@ from owt_campaign.studies.sea_table import (
     cell_case,
     few_cells,
     load_case_table,
-    published_cells,
-    study_cells,
 )
 from owt_campaign.studies.store import Store
 from owt_model.mesh import build_mesh
@@ -93,20 +91,18 @@ class ReductionStudy:
 
 def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:
     """Run the study."""
-    cells = study_cells() if full else few_cells()
+    cells = list(load_case_table()) if full else few_cells()
     others = further_seeds(cells, full=full)
     errors = table_errors(cells, others, samples=6000 if full else 1200, store=Store(), progress=progress)
-    table = list(load_case_table()) if full else cells
-    models = {"spec": 3 * len(table)}
-    models |= {c: len({cluster_of(cell, c) for cell in table}) for c in CLUSTERS}
+    models = {"spec": 3 * len(cells)}
+    models |= {c: len({cluster_of(cell, c) for cell in cells}) for c in CLUSTERS}
     seconds, size = _times(cells[-1], 6000 if full else 600)
     return ReductionStudy(errors, _frequencies(), seconds, size, models)
 
 
 def further_seeds(cells: Sequence[Cell], *, full: bool) -> dict[int, Sequence[Cell]]:
     """Sea states of further seeds, which the clusters have not seen."""
-    known = published_cells()
-    return {2: known[::3], 3: known[1::3]} if full else {2: cells[:1], 3: cells[-1:]}
+    return {2: cells, 3: cells} if full else {2: cells[:1], 3: cells[-1:]}
 
 
 def _frequencies() -> dict[str, Float[np.ndarray, " mode"]]:

@@ -22,8 +22,6 @@ __all__ = [
     "few_cells",
     "load_case_table",
     "occurrence",
-    "published_cells",
-    "study_cells",
 ]
 
 #: Direction of the only published scatter diagram (thesis table 4.4).
@@ -56,17 +54,6 @@ def load_case_table() -> tuple[Cell, ...]:
 def _probability() -> dict[Cell, float]:
     """Probability of each sea state of the table by the assumed wave rose."""
     return dict(zip(load_case_table(), table_occurrence(german_bight()).probability.tolist(), strict=True))
-
-
-def published_cells() -> list[Cell]:
-    """The sea states of direction 330 deg, whose occurrences are published."""
-    return [cell for cell in load_case_table() if cell.from_deg == PUBLISHED_DEG]
-
-
-def study_cells() -> list[Cell]:
-    """What full versions of the studies run: every third sea state of the table, all of direction 330 deg."""
-    chosen = {*load_case_table()[::3], *published_cells()}
-    return [cell for cell in load_case_table() if cell in chosen]
 
 
 def few_cells() -> list[Cell]:

@@ -12,9 +12,9 @@ from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.registry import Progress
 from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
 from owt_campaign.studies.store import Store
-from owt_campaign.studies.stress_runs import Sea, StressRuns, thinned
-from owt_campaign.studies.wave_comparison import EnergyPeaks, energy_peaks, table_plan
-from owt_campaign.studies.wave_totals import Members, TableRuns, by_member, run_table
+from owt_campaign.studies.stress_runs import Sea, StressRuns
+from owt_campaign.studies.wave_comparison import EnergyPeaks, energy_peaks, processes, table_plan
+from owt_campaign.studies.wave_totals import Members, Part, TableRuns, by_member, run_table
 from owt_model.mesh import Mesh
 
 __all__ = ["STRUCTURES", "Sensitivity", "sensitivity_study"]
@@ -70,7 +70,7 @@ class Sensitivity:
         return sorted(set.intersection(*(set(t.seeds(LINEAR)) for t in self.tables.values())))
 
 
-def _plan(cells: Sequence[Cell], *, full: bool) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
+def _plan(cells: Sequence[Cell], *, full: bool) -> list[Part]:
     """Runs on all structures: as in the wave comparison."""
     structures = ("reference", "damping", "frequency")
     if full:
@@ -85,9 +85,9 @@ def _plan(cells: Sequence[Cell], *, full: bool) -> list[tuple[int, str, Sequence
 def sensitivity_study(*, full: bool, progress: Progress) -> Sensitivity:
     """Run the study."""
     cells = list(load_case_table()) if full else few_cells()
-    runs = StressRuns(thinned(cells) if full else cells[:1], samples=6000 if full else 1200, store=Store())
+    runs = StressRuns(samples=6000 if full else 1200, store=Store())
     both = (SECOND_ORDER, LINEAR)
-    tables = run_table(runs, _plan(cells, full=full), progress)
+    tables = run_table(runs.samples, _plan(cells, full=full), progress, workers=processes(full=full))
     peaks: dict[str, list[EnergyPeaks]] = {}
     mean: dict[str, list[float]] = {}
     trace: dict[str, Float[np.ndarray, " sample"]] = {}

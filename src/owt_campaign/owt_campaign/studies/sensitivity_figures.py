@@ -22,12 +22,12 @@ __all__ = ["energy_figure", "ratio_figure", "stress_figure"]
 def stress_figure(found: Sensitivity) -> Figure:
     """Figure 5.5: total stress of the three structures."""
     figure, panels = canvas(1, 3, (9.5, 3.8), share_y=True, share_x=True)
-    top = by_member(found.tables["reference"].total(SECOND_ORDER, 1, weights="alike")).max()
+    top = by_member(found.tables["reference"].total(SECOND_ORDER, weights="alike")).max()
     for panel, colour, name in zip(panels[0], COLOURS, STRUCTURES, strict=False):
         levels(
             panel,
             found.members,
-            by_member(found.tables[name].total(SECOND_ORDER, 1, weights="alike")) / top,
+            by_member(found.tables[name].total(SECOND_ORDER, weights="alike")) / top,
             colour,
         )
         panel.set(title=f"{name} model", xlabel="total stress, over the largest of the reference")
@@ -40,7 +40,7 @@ def ratio_figure(found: Sensitivity) -> Figure:
     """Figure 5.6: second order over linear on the three structures."""
     figure, panels = canvas(1, 3, (9.5, 3.8), share_y=True, share_x=True)
     for panel, colour, name in zip(panels[0], COLOURS, STRUCTURES, strict=False):
-        levels(panel, found.members, 100.0 * (found.tables[name].ratio(1, LINEAR, "alike") - 1.0), colour)
+        levels(panel, found.members, 100.0 * (found.tables[name].ratio(None, LINEAR, "alike") - 1.0), colour)
         panel.axvline(0.0, color=INK, lw=0.8)
         panel.set(title=f"{name} model", xlabel="second order over linear [%]")
     for panel in panels[0, 1:]:

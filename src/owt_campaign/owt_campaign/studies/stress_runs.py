@@ -1,35 +1,37 @@
 """Runs of thesis chapter 5: sea states of the load-case table by several wave models on several structures.
 
-All runs share load vectors that a sample of the table gives, so that linear and second-order waves, and the
-structures, differ in nothing else; structures share the loads of a sea state. What is kept of a run are sums
-over its record; the sum of range times count of a rainflow count is half the total variation of the signal.
+Each run has load vectors of its own loads, enough of them that what they leave out is far below what the
+studies compare; structures share the loads of a sea state. What is kept of a run are sums over its record.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from owt_campaign.engine import cluster_basis, evaluate_case, prepare_model
-from owt_campaign.shared_model import SharedModel
+from owt_campaign.engine import evaluate_case, prepare_model
+from owt_campaign.shared_model import SharedModel, case_response
 from owt_campaign.studies.cases import SECOND_ORDER
-from owt_campaign.studies.sea_table import Cell, cell_case
+from owt_campaign.studies.sea_table import Cell, cell_case, load_case_table
 from owt_campaign.studies.store import Store
+from owt_campaign.studies.total_stress import TotalStress
 from owt_model.config import CaseConfig
 from owt_model.contracts import LoadBasis
 from owt_model.mesh import Mesh
 from owt_postproc.core import stage as fatigue_stage
 from owt_postproc.core.rainflow import rainflow
 from owt_structure_node.core.pieces import Pieces
+from owt_structure_node.core.response_model import n_mta
 from owt_wave_node.core.stage import WaveStage
 
-__all__ = ["BIN_PA", "REDUCTION", "STEP_S", "Sea", "StressRecord", "StressRuns", "leg_ends", "thinned"]
+__all__ = ["BIN_PA", "REDUCTION", "STEP_S", "Sea", "StressRecord", "StressRuns", "compute_run", "leg_ends"]
 
-#: Basis of all runs, and cells of the table between those that its load vectors come from.
-REDUCTION, EVERY = "CB20M40", 8
+#: Basis of all runs.
+REDUCTION = "CB20M40"
 #: Integration step in s, that of the loads: exact for loads that are linear between their samples.
 STEP_S = 0.1
 #: Width in Pa and number of the bins of von Mises ranges that figure 5.2 shows.
@@ -76,23 +78,19 @@ class StressRecord:
 
 
 class StressRuns:
-    """Runs on structures that share their load vectors.
+    """Runs on several structures.
 
     Parameters
     ----------
-    sample : sequence of Cell
-        Sea states that the load vectors come from, with second-order waves of seeds of their own.
     samples : int
         Length of the records in load steps.
     store : Store, optional
         Where runs are kept.
     """
 
-    def __init__(self, sample: Sequence[Cell], *, samples: int = 6000, store: Store | None = None) -> None:
+    def __init__(self, *, samples: int = 6000, store: Store | None = None) -> None:
         self.samples, self.store = samples, Store() if store is None else store
-        self._sample = list(sample)
         self._models: dict[str, SharedModel] = {}
-        self._basis: LoadBasis | None = None
 
     def case(self, sea: Sea, structure: str = "reference") -> CaseConfig:
         """Case of a run."""
@@ -111,24 +109,12 @@ class StressRuns:
     def model(self, structure: str) -> SharedModel:
         """What the runs on a structure share."""
         if structure not in self._models:
-            case = self.case(Sea(self._sample[0]), structure)
-            bare = prepare_model(case)
-            basis = replace(self._load_basis(), model_hash=bare.mesh.structure.content_hash)
-            self._models[structure] = bare.with_basis(case, basis)
+            self._models[structure] = prepare_model(self.case(Sea(load_case_table()[0]), structure))
         return self._models[structure]
-
-    def _load_basis(self) -> LoadBasis:
-        """Load vectors of the sample, the same for every structure."""
-        if self._basis is None:
-            seas = [Sea(cell, seed=101 + i) for i, cell in enumerate(self._sample)]
-            self._basis = cluster_basis([self.case(sea) for sea in seas])
-        return self._basis
 
     def key(self, sea: Sea, *more: object) -> list[object]:
         """All that a run depends on."""
-        case = self.case(sea).model_dump(mode="json", exclude={"stream"})
-        sample = [[cell.hs_m, cell.from_deg, cell.tp_s] for cell in self._sample]
-        return ["stress", case, sample, *more]
+        return ["stress", self.case(sea).model_dump(mode="json", exclude={"stream"}), *more]
 
     def records(self, sea: Sea, structures: Sequence[str] = ("reference",)) -> dict[str, StressRecord]:
         """Return the runs of a sea on several structures, computed unless they are kept."""
@@ -139,37 +125,45 @@ class StressRuns:
         }
 
     def _computed(self, sea: Sea, structures: Sequence[str]) -> dict[str, np.ndarray]:
-        case, first = self.case(sea), self.model("reference")
-        waves = WaveStage(case, first.mesh, hydro=first.hydro)
+        first = self.model("reference")
+        waves = WaveStage(self.case(sea), first.mesh, hydro=first.hydro)
+        basis = waves.load_basis(n_mta(REDUCTION))
         found: dict[str, np.ndarray] = {}
         for name in structures:
-            record = self._record(name, waves)
+            record = self._record(
+                self.case(sea, name), self.model(name), waves, basis, counted=name == "reference"
+            )
             found |= {f"{part.name} {name}": getattr(record, part.name) for part in fields(record)}
         return found
 
-    def _record(self, structure: str, waves: WaveStage) -> StressRecord:
+    def _record(
+        self, case: CaseConfig, shared: SharedModel, waves: WaveStage, basis: LoadBasis, *, counted: bool
+    ) -> StressRecord:
         """Response of a structure to the loads of a sea, and what is kept of it."""
-        shared = self.model(structure)
-        assert shared.response is not None, "the structures share their load vectors"
-        counted, fatigue = structure == "reference", fatigue_stage.initial_state(shared.fatigue)
-        mises, potential, kinetic = [], [], []
+        # Loads and their vectors know nothing of the stiffness.
+        basis = replace(basis, model_hash=shared.mesh.structure.content_hash)
+        response = case_response(shared, case, basis, None)
+        legs, fatigue = leg_ends(shared.mesh), fatigue_stage.initial_state(shared.fatigue)
+        total, of_legs, potential, kinetic = TotalStress(), [], [], []
         pieces, state = None, None
         for load in waves.load_rows(0, PIECE):  # the records are of one window
-            pieces = Pieces(shared.response, load) if pieces is None else pieces
+            pieces = Pieces(response, load) if pieces is None else pieces
             state, piece = pieces.step(state, load)
             if counted:
                 fatigue = fatigue_stage.count_rows(shared.fatigue, fatigue, piece.stress)
-            mises.append(piece.stress[3 * len(piece.stress) // 4 :])
+            total.add(piece.von_mises)
+            of_legs.append(piece.von_mises[legs])
             potential.append(piece.potential)
             kinetic.append(piece.kinetic)
-        stress, p, k = np.concatenate(mises, axis=1), np.concatenate(potential), np.concatenate(kinetic)
+        leg_stress = np.concatenate(of_legs, axis=1)
+        p, k = np.concatenate(potential), np.concatenate(kinetic)
         damage, half_cycles = np.zeros(0), np.zeros((0, 0), dtype=np.int32)
         if counted:
             result = fatigue_stage.final(shared.fatigue, fatigue)
             damage, half_cycles = result.damage, np.rint(2.0 * result.histogram).astype(np.int32)
         return StressRecord(
-            total_stress=0.5 * np.abs(np.diff(stress, axis=1)).sum(axis=1),
-            leg_ranges=np.array([_binned(stress[end]) for end in leg_ends(shared.mesh)]),
+            total_stress=total.value,
+            leg_ranges=np.array([_binned(stress) for stress in leg_stress]),
             energy=np.array([p.mean(), p.std(), k.mean(), k.std(), k.max()]),
             damage=damage,
             half_cycles=half_cycles,
@@ -181,6 +175,17 @@ class StressRuns:
         return self.store.run(
             key, lambda: evaluate_case(self.case(sea, structure), self.model(structure), keep=keep).series
         )
+
+
+@cache
+def _runs(samples: int) -> StressRuns:
+    """Runs of this process."""
+    return StressRuns(samples=samples)
+
+
+def compute_run(samples: int, sea: Sea, structures: Sequence[str]) -> dict[str, StressRecord]:
+    """Records of a sea as :meth:`StressRuns.records` gives them, in whatever process this is."""
+    return _runs(samples).records(sea, structures)
 
 
 def leg_ends(mesh: Mesh) -> list[int]:
@@ -201,8 +206,3 @@ def _binned(stress: Float[np.ndarray, " sample"]) -> Float[np.ndarray, " bin"]:
     place = (ranges / BIN_PA).astype(int)
     inside = place < BINS
     return np.bincount(place[inside], weights=counts[inside], minlength=BINS)
-
-
-def thinned(cells: Sequence[Cell]) -> list[Cell]:
-    """The cells that load vectors are taken from: some of every height, and the highest."""
-    return list(dict.fromkeys([*cells[::EVERY], cells[-1]]))

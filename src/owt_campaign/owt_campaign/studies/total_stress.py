@@ -14,13 +14,35 @@ from jaxtyping import Float
 from owt_campaign.engine import SharedModel
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError
-from owt_structure_node.core import stage as response_stage
+from owt_structure_node.core.pieces import Pieces
 from owt_wave_node.core.stage import WaveStage
 
-__all__ = ["BLOCK", "total_stress"]
+__all__ = ["PIECE", "TotalStress", "total_stress"]
 
 #: Load samples worked on at a time.
-BLOCK = 250
+PIECE = 250
+
+
+class TotalStress:
+    """Half the total variation of stresses that come piece by piece: their sum of range times count."""
+
+    def __init__(self) -> None:
+        self._sum: Float[np.ndarray, " signal"] | None = None
+        self._last: Float[np.ndarray, "signal 1"] | None = None
+
+    def add(self, stress: Float[np.ndarray, "signal sample"]) -> None:
+        """Take the next samples of every signal."""
+        before = stress[:, :1] if self._last is None else self._last
+        moved = np.abs(np.diff(stress, axis=1, prepend=before)).sum(axis=1)
+        self._sum = moved if self._sum is None else self._sum + moved
+        self._last = stress[:, -1:].copy()
+
+    @property
+    def value(self) -> Float[np.ndarray, " signal"]:
+        """Sum of range times count of each signal, in its unit."""
+        if self._sum is None:
+            raise ValueError("no stress was added")
+        return 0.5 * self._sum
 
 
 def total_stress(case: CaseConfig, models: Mapping[str, SharedModel]) -> dict[str, Float[np.ndarray, " end"]]:
@@ -42,23 +64,18 @@ def total_stress(case: CaseConfig, models: Mapping[str, SharedModel]) -> dict[st
         If a result cannot be trusted.
     """
     first = next(iter(models.values()))
-    cut = case.model_copy(update={"stream": case.stream.model_copy(update={"block": BLOCK})})
-    wave = WaveStage(cut, first.mesh, hydro=first.hydro)
+    wave = WaveStage(case, first.mesh, hydro=first.hydro)
     found = {}
     for name, model in models.items():
         if model.response is None:
             raise InputError("model", name, "has no response of its own", "Give prepare_model a load basis.")
         if not np.array_equal(model.mesh.node_position, first.mesh.node_position):
             raise InputError("model", name, "has another geometry", "Evaluate it apart.")
-        wave.model_hash = model.mesh.structure.content_hash  # the loads know nothing of the stiffness
-        state, last = response_stage.initial_state(model.response), None
-        total = np.zeros(2 * model.mesh.n_members)
-        for i in range(wave.n_blocks):
-            state, out = response_stage.step(model.response, state, wave.load_block(i), None)
-            stress = out.stress.von_mises
-            total += np.abs(np.diff(stress, axis=0)).sum(axis=0)
-            if last is not None:
-                total += np.abs(stress[0] - last)
-            last = stress[-1]
-        found[name] = 0.5 * total
+        total, pieces, state = TotalStress(), None, None
+        for window in range(len(wave.windows)):
+            for load in wave.load_rows(window, PIECE):
+                pieces = Pieces(model.response, load) if pieces is None else pieces
+                state, piece = pieces.step(state, load)
+                total.add(piece.von_mises)
+        found[name] = total.value
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,15 +12,15 @@ import numpy as np
 from jaxtyping import Float
 from scipy.signal import welch
 
-from owt_campaign.studies.cases import CUTOFFS, LINEAR, SECOND_ORDER, WAVE_MODELS
+from owt_campaign.studies.cases import CUTOFFS, LINEAR, SECOND_ORDER, SEEDS, WAVE_MODELS
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, published_cells, study_cells
+from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
 from owt_campaign.studies.store import Store
-from owt_campaign.studies.stress_runs import STEP_S, Sea, StressRuns, leg_ends, thinned
-from owt_campaign.studies.wave_totals import Members, TableRuns, run_table
+from owt_campaign.studies.stress_runs import STEP_S, Sea, StressRuns, leg_ends
+from owt_campaign.studies.wave_totals import Members, Part, TableRuns, run_table
 from owt_wave_node.core.stage import WaveStage
 
-__all__ = ["EnergyPeaks", "WaveComparison", "energy_peaks", "table_plan", "wave_comparison"]
+__all__ = ["EnergyPeaks", "WaveComparison", "energy_peaks", "processes", "table_plan", "wave_comparison"]
 
 LINEARS = tuple(name for name in WAVE_MODELS if name != SECOND_ORDER)
 #: Figure 5.3: Hs 1.5 m of direction 330 deg with these Tp in s; bands round the eigenfrequencies in Hz.
@@ -98,6 +99,11 @@ class WaveComparison:
     mesh: Any
 
     @property
+    def linears(self) -> list[str]:
+        """Linear models that the table ran."""
+        return list(dict.fromkeys(wave for _, wave in self.table.records if wave != SECOND_ORDER))
+
+    @property
     def tried(self) -> list[str]:
         """Linear models that the highest sea state ran."""
         return list(dict.fromkeys(wave for wave, _ in self.peaks))
@@ -117,8 +123,10 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
     cells = load_case_table()
     some = list(cells) if full else few_cells()
     samples = 6000 if full else 1200
-    runs = StressRuns(thinned(some) if full else some[:1], samples=samples, store=Store())
-    table = run_table(runs, table_plan(some, full=full), progress)["reference"]
+    runs = StressRuns(samples=samples, store=Store())
+    table = run_table(samples, table_plan(some, full=full), progress, workers=processes(full=full))[
+        "reference"
+    ]
     mesh = runs.mesh
     peaks, trace = _highest(runs, cells[-1], range(1, 6) if full else range(1, 4), full)
     members = Members.of(mesh)
@@ -136,27 +144,23 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
     )
 
 
-def table_plan(cells: Sequence[Cell], *, full: bool) -> list[tuple[int, str, Sequence[Cell], Sequence[str]]]:
-    """Runs of chapter 5: all sea states of the table with seed 1, those of :func:`study_cells` with three.
+def table_plan(cells: Sequence[Cell], *, full: bool) -> list[Part]:
+    """Runs of chapter 5: three seeds; all structures with the two wave models that are compared throughout.
 
-    The other structures run those of :func:`study_cells` with seed 1, and with every seed the sea states of
-    direction 330 degrees, which the other linear models run too.
+    The reduced version runs two sea states of direction 330 degrees, on the reference structure.
     """
     structures, alone = ("reference", "damping", "frequency"), ("reference",)
-    both, others = (SECOND_ORDER, LINEAR), [name for name in LINEARS if name != LINEAR]
-    known = published_cells() if full else list(cells[-2:])
-    plan: list[tuple[int, str, Sequence[Cell], Sequence[str]]] = []
-    if full:
-        every = study_cells()
-        more = [cell for cell in every if cell not in set(known)]
-        rest = [cell for cell in cells if cell not in set(every)]
-        plan += [(1, wave, every, structures) for wave in both]
-        plan += [(1, wave, rest, alone) for wave in both]
-        plan += [(seed, wave, known, structures) for seed in (2, 3) for wave in both]
-        plan += [(seed, wave, more, alone) for seed in (2, 3) for wave in both]
-    else:
-        plan += [(seed, wave, known, alone) for seed in (1, 2, 3) for wave in both]
-    return plan + [(1, wave, known, alone) for wave in others]
+    others = [name for name in LINEARS if name != LINEAR]
+    some = cells if full else cells[-2:]
+    plan: list[Part] = [
+        (seed, wave, some, structures if full else alone) for seed in SEEDS for wave in (SECOND_ORDER, LINEAR)
+    ]
+    return plan + [(seed, wave, some, alone) for seed in (SEEDS if full else SEEDS[:1]) for wave in others]
+
+
+def processes(*, full: bool) -> int:
+    """Processes that a study takes: all that there are, or its own for the reduced version."""
+    return len(os.sched_getaffinity(0)) if full else 0
 
 
 def _highest(

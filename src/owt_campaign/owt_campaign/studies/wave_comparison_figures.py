@@ -10,7 +10,7 @@ from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.jacket_figures import jacket, levels
 from owt_campaign.studies.plotting import BLUE, COLOURS, FAINT, INK, ORANGE, canvas
 from owt_campaign.studies.stress_runs import BIN_PA, STEP_S
-from owt_campaign.studies.wave_comparison import BANDS, LINEARS, WaveComparison
+from owt_campaign.studies.wave_comparison import BANDS, WaveComparison
 from owt_campaign.studies.wave_totals import by_member
 
 if TYPE_CHECKING:
@@ -26,10 +26,12 @@ def stress_figure(found: WaveComparison, focus: dict[str, int]) -> Figure:
     levels(panels[0, 0], found.members, total / total.max(), BLUE)
     panels[0, 0].set(xlabel="total stress, over the largest", title="second order")
     jacket(panels[0, 1], found.mesh, focus)
-    for colour, wave in zip(COLOURS[1:], LINEARS, strict=False):
-        if (1, wave) in found.table.records:
-            levels(panels[0, 2], found.members, 100.0 * (found.table.ratio(1, wave) - 1.0), colour, wave)
-    panels[0, 2].set(xlabel="second order over linear, total stress [%]", ylabel="", title="seed 1")
+    for colour, wave in zip(COLOURS[1:], found.linears, strict=False):
+        increase = 100.0 * (found.table.ratio(linear=wave) - 1.0)
+        levels(panels[0, 2], found.members, increase, colour, wave)
+    panels[0, 2].set(
+        xlabel="second order over linear, total stress [%]", ylabel="", title="mean of the seeds"
+    )
     panels[0, 2].axvline(0.0, color=INK, lw=0.8)
     panels[0, 2].axvspan(1.0, 6.0, color=FAINT, alpha=0.2, lw=0, label="print: 1 to 6 %")
     panels[0, 2].legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)

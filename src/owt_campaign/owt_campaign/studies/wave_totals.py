@@ -8,13 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from owt_campaign.dask_pool import DaskPool, InProcess, Pool, WorkerLostError
 from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.registry import Progress
 from owt_campaign.studies.sea_table import Cell, occurrence
-from owt_campaign.studies.stress_runs import Sea, StressRecord, StressRuns
+from owt_campaign.studies.stress_runs import Sea, StressRecord, compute_run
 from owt_model.mesh import Mesh
 
-__all__ = ["Members", "TableRuns", "run_table"]
+__all__ = ["Members", "Part", "TableRuns", "run_table"]
+
+#: Seed, wave model, cells and structures of runs.
+Part = tuple[int, str, Sequence[Cell], Sequence[str]]
 
 #: Total stress of a member, of the largest one, below which it is not looked at: those inside the transition
 #: piece, which is rigid.
@@ -65,12 +69,6 @@ class TableRuns:
     def cells(self, seed: int, wave: str = SECOND_ORDER) -> list[Cell]:
         """Cells that there are of a seed."""
         return list(self.records[seed, wave])
-
-    def common(self, *waves: str) -> TableRuns:
-        """The sea states that every seed of the given wave models ran."""
-        parts = {key: runs for key, runs in self.records.items() if key[1] in waves}
-        both = set.intersection(*(set(runs) for runs in parts.values()))
-        return TableRuns({key: {c: r for c, r in runs.items() if c in both} for key, runs in parts.items()})
 
     def total(
         self,
@@ -125,32 +123,42 @@ def by_member(total: Float[np.ndarray, " end"]) -> Float[np.ndarray, " member"]:
 
 
 def run_table(
-    runs: StressRuns,
-    plan: Sequence[tuple[int, str, Sequence[Cell], Sequence[str]]],
-    progress: Progress,
+    samples: int, plan: Sequence[Part], progress: Progress, *, workers: int = 0
 ) -> dict[str, TableRuns]:
     """Run parts of the load-case table.
 
     Parameters
     ----------
-    runs : StressRuns
-        What the runs share.
+    samples : int
+        Length of the records in load steps.
     plan : sequence of tuples
         Seed, wave model, cells and structures of each part.
     progress : callable
         Called with the runs done and those in all.
+    workers : int
+        Processes to use; 0 computes in this one.
 
     Returns
     -------
     dict of TableRuns
         By structure.
+
+    Raises
+    ------
+    WorkerLostError
+        If the workers that ran a sea died.
     """
+    seas = [(Sea(cell, seed, wave), names) for seed, wave, cells, names in plan for cell in cells]
+    computed: dict[Sea, dict[str, StressRecord]] = {}
+    pool: Pool = DaskPool(workers) if workers else InProcess()
+    with pool:
+        for done in pool.run((sea, compute_run, (samples, sea, tuple(names))) for sea, names in seas):
+            if isinstance(done.result, WorkerLostError):
+                raise done.result
+            computed[done.job] = done.result
+            progress(len(computed), len(seas))
     found: dict[str, dict[tuple[int, str], dict[Cell, StressRecord]]] = {}
-    done, total = 0, sum(len(cells) for _, _, cells, _ in plan)
-    for seed, wave, cells, structures in plan:
-        for cell in cells:
-            for name, record in runs.records(Sea(cell, seed, wave), structures).items():
-                found.setdefault(name, {}).setdefault((seed, wave), {})[cell] = record
-            done += 1
-            progress(done, total)
+    for sea, names in seas:  # in the order of the plan, whoever was first: sums are the same bit by bit
+        for name in names:
+            found.setdefault(name, {}).setdefault((sea.seed, sea.wave), {})[sea.cell] = computed[sea][name]
     return {name: TableRuns(records) for name, records in found.items()}

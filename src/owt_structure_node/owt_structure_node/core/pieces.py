@@ -63,6 +63,11 @@ class Piece:
     potential_substructure: Float[np.ndarray, "row part"]
     kinetic_substructure: Float[np.ndarray, "row part"]
 
+    @property
+    def von_mises(self) -> Float[np.ndarray, "end row"]:
+        """Von Mises stress in Pa of all ends."""
+        return self.stress[3 * (len(self.stress) // 4) :]
+
 
 class Pieces:
     """Steps through the loads of one record.
@@ -153,7 +158,7 @@ class Pieces:
         start = 0 if lead else substeps * (load.start - 1) + 1
         with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused below
             piece = Piece(start, motion, stress, *self._energies(motion, strain, extra))
-            finite = np.isfinite(piece.potential.sum()) and np.isfinite(stress[3 * self.n_ends :].sum())
+            finite = np.isfinite(piece.potential.sum()) and np.isfinite(piece.von_mises.sum())
         if not finite:
             raise ComputationError(
                 f"response: not finite after {load.start * load.dt:g} s; the loads are too large to integrate"

@@ -60,7 +60,7 @@ def result(found: Beyond, *, full: bool) -> StudyResult:
             },
             "estimate": estimate_quality(found.errors),
             "basis_errors": {name: vars(errors) for name, errors in found.basis.items()},
-            "runs": {f"seed {s}, {w}": len(cells) for (s, w), cells in found.table.records.items()},
+            "runs": found.table.counts,
         },
     )
 
@@ -240,11 +240,10 @@ def _basis_section(found: Beyond) -> str:
 
 
 def _sections(found: Beyond, rows: list[Row]) -> list[str]:
-    runs = ", ".join(f"seed {s}, {w}: {len(cells)}" for (s, w), cells in found.table.records.items())
     s = found.scatter
     return [
         _HEAD,
-        f"Sea states run: {runs}.",
+        f"Runs: {found.table.described}.",
         "## What is asked and what is found\n\n" + rows_table(rows),
         "## Damage of second-order over linear waves\n\nAt each joint the hot spot of most damage; range: "
         "single seeds. The load factor multiplies the stress of the linear waves so that they give the "

@@ -70,7 +70,7 @@ def result(found: WaveComparison, *, full: bool) -> StudyResult:
         full=full,
         figures=_figures(found, focus, found.leg_end_name[heaviest]),
         data={
-            "runs": _runs(found),
+            "runs": found.table.counts,
             "ratio": _ratios(found),
             "kinetic_factor": _factors(found),
             "cells": _cells(found),
@@ -217,14 +217,6 @@ def _time_row(found: WaveComparison) -> Row:
     )  # fmt: skip
 
 
-def _runs(found: WaveComparison) -> dict[str, Any]:
-    """What was run: cells of each seed, by wave model."""
-    runs: dict[str, dict[str, int]] = {}
-    for (seed, wave), cells in found.table.records.items():
-        runs.setdefault(wave, {})[f"seed {seed}"] = len(cells)
-    return runs
-
-
 def _ratios(found: WaveComparison) -> dict[str, Any]:
     """Increase in percent of every member over each linear model, of all seeds."""
     ratios = {wave: found.table.ratio(linear=wave) for wave in found.linears}
@@ -311,14 +303,11 @@ def _sections(found: WaveComparison, rows: list[Row], full: bool) -> list[str]:
     def shown(key: str, words: str) -> str:
         return f"![{words}]({NAME}-{key}.png)"
 
-    runs = "; ".join(
-        f"{wave}: {', '.join(f'{count} sea states with {seed}' for seed, count in counts.items())}"
-        for wave, counts in _runs(found).items()
-    )
     seconds = ", ".join(f"{wave} {value:.2f} s" for wave, value in found.seconds.items())
     return [
         _HEAD,
-        f"Runs: {runs}. Of each sea state the mean over its seeds counts; ranges are those of single seeds.",
+        f"Runs: {found.table.described}. Of each sea state the mean over its seeds counts; ranges are those "
+        "of single seeds.",
         "## Print and this code\n\n" + rows_table(rows),
         "## Which linear model\n\nIncrease in percent of the total stress by the second order, mean and "
         "range of the seeds. Weights: *assumed*, the assumed wave rose with the heights of direction 330 "

@@ -70,6 +70,24 @@ class TableRuns:
         """Cells that there are of a seed."""
         return list(self.records[seed, wave])
 
+    @property
+    def counts(self) -> dict[str, dict[int, int]]:
+        """Number of sea states of each seed, by wave model."""
+        found: dict[str, dict[int, int]] = {}
+        for (seed, wave), cells in self.records.items():
+            found.setdefault(wave, {})[seed] = len(cells)
+        return found
+
+    @property
+    def described(self) -> str:
+        """The same in words."""
+        parts = []
+        for wave, counts in self.counts.items():
+            for count in dict.fromkeys(counts.values()):
+                seeds = ", ".join(str(seed) for seed, own in counts.items() if own == count)
+                parts.append(f"{wave}: {count} sea states with seeds {seeds}")
+        return "; ".join(parts)
+
     def total(
         self,
         wave: str,

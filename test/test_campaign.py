@@ -222,6 +222,13 @@ def results(folder: Path) -> xr.Dataset:
         return data.load()
 
 
+def test_the_page_names_the_linear_waves(finished: Path) -> None:
+    """Second order over linear hangs on what is done above still water."""
+    page = (finished / "report.html").read_text()
+    assert "(wave.stretching): taylor" in page
+    assert "wheeler" not in page
+
+
 def test_what_the_dataset_holds(finished: Path, table: Path) -> None:
     data = results(finished)
     assert dict(data.sizes) | {"case": 2, "seed": 2, "order": 2} == dict(data.sizes)

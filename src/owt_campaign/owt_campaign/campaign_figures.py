@@ -100,8 +100,12 @@ def orders_compared(
     worst_spot: Float[np.ndarray, " end"],
     end_name: tuple[str, ...],
     level: Float[np.ndarray, " end"],
+    stretching: str,
 ) -> Figure:
-    """Damage and total stress of each member end with waves of second order over those with linear waves."""
+    """Damage and total stress of each member end with waves of second order over those with linear waves.
+
+    The ratio hangs on `stretching`, the kinematics of both above still water, so that the caption names it.
+    """
     first, second = totals[1], totals[2]
     damage = first.damage_per_year[worst_spot], second.damage_per_year[worst_spot]
     stress = first.total_stress_per_year, second.total_stress_per_year
@@ -125,7 +129,8 @@ def orders_compared(
         "orders",
         "Second order over linear waves",
         "Ratio of the yearly sums of each member end, by its level; larger dots bear more. Ends of less than "
-        f"{COMPARED:g} of the largest are left out.",
+        f"{COMPARED:g} of the largest are left out. Kinematics of the linear waves above still water "
+        f"(wave.stretching): {stretching}; with another one the ratio is another one too.",
         traces,
         layout(
             xaxis=axis("second order / linear", zeroline=False),

@@ -109,7 +109,10 @@ class _Report:
             exceedance_of_orders(totals, self.spot, self.spot_name, self.usage.range_edge),
         ]
         if set(totals) == {1, 2}:
-            found.append(orders_compared(totals, self.usage.worst_spot, self.usage.end_name, level))
+            stretching = self.sample.case.wave.stretching
+            found.append(
+                orders_compared(totals, self.usage.worst_spot, self.usage.end_name, level, stretching)
+            )
         return found
 
     def _warnings(self) -> str:

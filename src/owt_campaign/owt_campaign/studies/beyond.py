@@ -77,12 +77,10 @@ class Beyond:
     ----------
     table : TableRuns
         Reference structure over the table.
-    joints : list of Joint
-        The most damaged first.
+    by_linear : dict of lists of Joint
+        Over each linear model; the most damaged first.
     worst : int
         Hot spot of most damage.
-    spot_number : dict
-        Number of each hot spot by its name.
     errors : dict
         Errors of reduced models by seed and cell.
     scatter : SeedScatter
@@ -94,13 +92,17 @@ class Beyond:
     """
 
     table: TableRuns
-    joints: list[Joint]
+    by_linear: Mapping[str, list[Joint]]
     worst: int
-    spot_number: Mapping[str, int]
     errors: Mapping[int, Mapping[Cell, SeaErrors]]
     scatter: SeedScatter
     basis: Mapping[str, BasisErrors]
     basis_cells: Sequence[Cell]
+
+    @property
+    def joints(self) -> list[Joint]:
+        """Over the linear model that is compared throughout."""
+        return self.by_linear[LINEAR]
 
     def cell_damage(self, seed: int | None = None, wave: str = SECOND_ORDER) -> dict[Cell, float]:
         """Damage of the worst hot spot in 600 s of each cell, mean of the seeds where none is named."""
@@ -155,9 +157,8 @@ def beyond_study(*, full: bool, progress: Progress) -> Beyond:
     model = runs.model("reference")
     return Beyond(
         table=table,
-        joints=_joints(table, model, damage),
+        by_linear={wave: _joints(table, model, damage, wave) for wave in table.linears},
         worst=worst,
-        spot_number={name: i for i, name in enumerate(model.fatigue.hot_spots.name)},
         errors=errors,
         scatter=seed_scatter(_by_seed(table, worst)),
         basis=basis,
@@ -165,18 +166,21 @@ def beyond_study(*, full: bool, progress: Progress) -> Beyond:
     )
 
 
-def _joints(table: TableRuns, model: SharedModel, damage: Float[np.ndarray, " spot"]) -> list[Joint]:
+def _joints(
+    table: TableRuns, model: SharedModel, damage: Float[np.ndarray, " spot"], linear: str
+) -> list[Joint]:
+    """Damage of the second order, `damage` in all, over that of a linear model."""
     mesh, spots = model.mesh, model.fatigue.hot_spots
     node = mesh.member_node.reshape(-1)[spots.end]
     one, two = (
         table.total(wave, part="damage", like=other)
-        for wave, other in ((LINEAR, SECOND_ORDER), (SECOND_ORDER, LINEAR))
+        for wave, other in ((linear, SECOND_ORDER), (SECOND_ORDER, linear))
     )
     each = [
-        (table.total(LINEAR, s, part="damage"), table.total(SECOND_ORDER, s, part="damage", like=LINEAR))
-        for s in table.seeds(LINEAR)
+        (table.total(linear, s, part="damage"), table.total(SECOND_ORDER, s, part="damage", like=linear))
+        for s in table.seeds(linear)
     ]
-    half_cycles = table.total(LINEAR, part="half_cycles", like=SECOND_ORDER)
+    half_cycles = table.total(linear, part="half_cycles", like=SECOND_ORDER)
     found = []
     for joint in np.unique(node):
         own = np.flatnonzero(node == joint)

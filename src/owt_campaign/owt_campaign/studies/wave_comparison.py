@@ -99,11 +99,6 @@ class WaveComparison:
     mesh: Any
 
     @property
-    def linears(self) -> list[str]:
-        """Linear models that the table ran."""
-        return list(dict.fromkeys(wave for _, wave in self.table.records if wave != SECOND_ORDER))
-
-    @property
     def tried(self) -> list[str]:
         """Linear models that the highest sea state ran."""
         return list(dict.fromkeys(wave for wave, _ in self.peaks))

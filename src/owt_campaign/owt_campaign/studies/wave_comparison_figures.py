@@ -26,7 +26,7 @@ def stress_figure(found: WaveComparison, focus: dict[str, int]) -> Figure:
     levels(panels[0, 0], found.members, total / total.max(), BLUE)
     panels[0, 0].set(xlabel="total stress, over the largest", title="second order")
     jacket(panels[0, 1], found.mesh, focus)
-    for colour, wave in zip(COLOURS[1:], found.linears, strict=False):
+    for colour, wave in zip(COLOURS[1:], found.table.linears, strict=False):
         increase = 100.0 * (found.table.ratio(linear=wave) - 1.0)
         levels(panels[0, 2], found.members, increase, colour, wave)
     panels[0, 2].set(

@@ -219,7 +219,7 @@ def _time_row(found: WaveComparison) -> Row:
 
 def _ratios(found: WaveComparison) -> dict[str, Any]:
     """Increase in percent of every member over each linear model, of all seeds."""
-    ratios = {wave: found.table.ratio(linear=wave) for wave in found.linears}
+    ratios = {wave: found.table.ratio(linear=wave) for wave in found.table.linears}
     return {
         "member": list(found.members.name),
         **{
@@ -262,7 +262,7 @@ def _legs_median(found: WaveComparison, wave: str, weights: str, seed: int | Non
 def _linear_table(found: WaveComparison) -> str:
     """Increase over each linear model, by weights."""
     members, lines = found.members, []
-    for wave in found.linears:
+    for wave in found.table.linears:
         seeds = found.table.seeds(wave)
         directions = {cell.from_deg for cell in found.table.cells(seeds[0], wave)}
         for weights in WEIGHTS if len(directions) > 1 else WEIGHTS[1:]:
@@ -331,7 +331,7 @@ def _sections(found: WaveComparison, rows: list[Row], full: bool) -> list[str]:
 
 def _nearest(found: WaveComparison) -> tuple[dict[str, float], str]:
     """Medians of the legs in direction 330 degrees over each linear model, and the one next to the print."""
-    alone = {wave: _legs_median(found, wave, "published") for wave in found.linears}
+    alone = {wave: _legs_median(found, wave, "published") for wave in found.table.linears}
     return alone, min(alone, key=lambda wave: abs(alone[wave] - PRINTED_LEGS))
 
 

@@ -71,6 +71,11 @@ class TableRuns:
         return list(self.records[seed, wave])
 
     @property
+    def linears(self) -> list[str]:
+        """Linear models that there are."""
+        return list(dict.fromkeys(wave for _, wave in self.records if wave != SECOND_ORDER))
+
+    @property
     def counts(self) -> dict[str, dict[int, int]]:
         """Number of sea states of each seed, by wave model."""
         found: dict[str, dict[int, int]] = {}

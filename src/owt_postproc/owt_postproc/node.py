@@ -48,12 +48,12 @@ class PostprocNode(StageNode):
         self._selection = selection_of(options, case)
         self._recorder = Recorder(options.bag, case, overwrite=options.overwrite, selection=self._selection)
         self._fatigue = self.outlet(topics.FATIGUE)
-        self._streams = {}
+        self._streams, self._events = {}, {}
         for topic in topics.recorded(case):
             if topic.kind is Kind.LATCHED:
                 self.inlet(topic, partial(self._on_latched, topic), raw=True)
             elif topic.kind is Kind.EVENT:
-                self.inlet(topic, partial(self._on_event, topic), raw=True)
+                self._events[topic] = self.inlet(topic, partial(self._on_event, topic), raw=True)
             elif topic is not topics.FATIGUE:
                 self._streams[topic] = self.inlet(topic, partial(self._on_data, topic), raw=True)
         self.serve(FatigueSummary, topics.FATIGUE_SUMMARY, self._summarise)
@@ -83,10 +83,17 @@ class PostprocNode(StageNode):
         self.advance()
 
     def _on_event(self, topic: Topic, cdr: bytes) -> None:
-        """Record the clock, and mark what went wrong elsewhere: an ordinary run has no marks."""
-        if topic is topics.CLOCK or is_mark(deserialize_message(cdr, DiagnosticArray), but_of=UNMARKED):
+        """Record the clock, and mark what went wrong elsewhere."""
+        if topic is topics.CLOCK:
             self._record(topic, cdr, peek_stamp(cdr))
+        else:
+            self._mark(cdr)
         self.advance()
+
+    def _mark(self, cdr: bytes) -> None:
+        """Record a diagnostic that says what went wrong: an ordinary run has none."""
+        if is_mark(deserialize_message(cdr, DiagnosticArray), but_of=UNMARKED):
+            self._record(topics.DIAGNOSTICS, cdr, peek_stamp(cdr))
 
     def diagnose(self, level: bytes, message: str, *, suffix: str = "", **values: Any) -> DiagnosticArray:
         """Publish a diagnostic, and record it if it holds no wall time."""
@@ -111,6 +118,8 @@ class PostprocNode(StageNode):
             self._finish(self._recorder)
 
     def _finish(self, recorder: Recorder) -> None:
+        for cdr in self._events[topics.DIAGNOSTICS].arrived():  # of before the last block, in their queue
+            self._mark(cdr)
         self.diagnose(DiagnosticStatus.OK, "complete", samples=self._count.samples)
         recorder.close()
         self._recorder = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from owt_msgs.msg import Credit
@@ -162,6 +162,12 @@ class Inlet:
             self._handler(head, message)
         else:
             self._handler(message)
+
+    def arrived(self) -> Iterator[Any]:
+        """Take the messages that have arrived and wait for their turn: topics have no order among them."""
+        with self.subscription.handle:
+            while (taken := self.subscription.handle.take_message(self.topic.message, self._raw)) is not None:
+                yield taken[0]
 
     def acknowledge(self, sequence: int) -> None:
         """Give credit for all blocks up to `sequence`; in real time for the first, then some at a time."""

@@ -44,18 +44,15 @@ class PostprocNode(StageNode):
         if not (options := self.options).bag:
             raise InputError("bag", "", "is missing", "Give the folder to record into.")
         self._count = RunningCount(case)  # an unknown curve is refused before anything is recorded
-        self._pending: deque[bytes] = deque()
+        self._pending, self._streams = deque[bytes](), {}
         self._selection = selection_of(options, case)
         self._recorder = Recorder(options.bag, case, overwrite=options.overwrite, selection=self._selection)
         self._fatigue = self.outlet(topics.FATIGUE)
-        self._streams, self._events = {}, {}
+        handlers: dict[Kind, Any] = {Kind.LATCHED: self._on_latched, Kind.EVENT: self._on_event}
         for topic in topics.recorded(case):
-            if topic.kind is Kind.LATCHED:
-                self.inlet(topic, partial(self._on_latched, topic), raw=True)
-            elif topic.kind is Kind.EVENT:
-                self._events[topic] = self.inlet(topic, partial(self._on_event, topic), raw=True)
-            elif topic is not topics.FATIGUE:
-                self._streams[topic] = self.inlet(topic, partial(self._on_data, topic), raw=True)
+            if topic is not topics.FATIGUE:
+                handler = partial(handlers.get(topic.kind, self._on_data), topic)
+                self._streams[topic] = self.inlet(topic, handler, raw=True)
         self.serve(FatigueSummary, topics.FATIGUE_SUMMARY, self._summarise)
         self.serve(Flush, topics.FLUSH, self._flush)
 
@@ -83,17 +80,12 @@ class PostprocNode(StageNode):
         self.advance()
 
     def _on_event(self, topic: Topic, cdr: bytes) -> None:
-        """Record the clock, and mark what went wrong elsewhere."""
-        if topic is topics.CLOCK:
-            self._record(topic, cdr, peek_stamp(cdr))
-        else:
-            self._mark(cdr)
+        self._mark(topic, cdr)
         self.advance()
 
-    def _mark(self, cdr: bytes) -> None:
-        """Record a diagnostic that says what went wrong: an ordinary run has none."""
-        if is_mark(deserialize_message(cdr, DiagnosticArray), but_of=UNMARKED):
-            self._record(topics.DIAGNOSTICS, cdr, peek_stamp(cdr))
+    def _mark(self, topic: Topic, cdr: bytes) -> None:  # what went wrong elsewhere; an ordinary run has none
+        if topic is topics.CLOCK or is_mark(deserialize_message(cdr, DiagnosticArray), but_of=UNMARKED):
+            self._record(topic, cdr, peek_stamp(cdr))
 
     def diagnose(self, level: bytes, message: str, *, suffix: str = "", **values: Any) -> DiagnosticArray:
         """Publish a diagnostic, and record it if it holds no wall time."""
@@ -118,8 +110,8 @@ class PostprocNode(StageNode):
             self._finish(self._recorder)
 
     def _finish(self, recorder: Recorder) -> None:
-        for cdr in self._events[topics.DIAGNOSTICS].arrived():  # of before the last block, in their queue
-            self._mark(cdr)
+        for cdr in self._streams[topics.DIAGNOSTICS].arrived():  # of before the last block, in their queue
+            self._mark(topics.DIAGNOSTICS, cdr)
         self.diagnose(DiagnosticStatus.OK, "complete", samples=self._count.samples)
         recorder.close()
         self._recorder = None
@@ -134,11 +126,10 @@ class PostprocNode(StageNode):
     def _flush(self, request: Any, response: Any) -> Any:
         """Show readers what has been recorded."""
         try:
-            if self._recorder is None:
+            if (recorder := self._recorder) is None:
                 raise OwtError("nothing is being recorded")
-            self._recorder.flush()
-            found = self._recorder.written, str(self._recorder.folder), True
-            response.messages, response.bag, response.success = found
+            recorder.flush()
+            response.messages, response.bag, response.success = recorder.written, str(recorder.folder), True
         except OwtError as error:
             response.message = str(error)
         return response

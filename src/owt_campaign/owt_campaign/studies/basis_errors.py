@@ -16,7 +16,7 @@ from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
 from owt_campaign.studies.stress_runs import Sea, StressRuns
 from owt_model.config import CaseConfig
 
-__all__ = ["BasisErrors", "basis_errors", "compared_cells"]
+__all__ = ["BasisErrors", "basis_errors", "compared_cells", "worst_of_joints"]
 
 BASES = ("CB10M10", "CB10M20", "CB20M20", "CB20M40", "CB20M80")
 WAVES = (LINEAR, SECOND_ORDER)
@@ -85,8 +85,7 @@ def basis_errors(
             for name, model in models.items():
                 found[cell, wave, name] = _run(runs, cell, wave, name, model)
                 progress(len(found), total)
-    node = _node_of_spot(models["full"])
-    each = {name: [_errors(found, cell, name, node) for cell in cells] for name in bases}
+    each = {name: [_errors(found, cell, name, models["full"]) for cell in cells] for name in bases}
     return {
         name: BasisErrors(**{key: max(errors[key] for errors in some) for key in some[0]})
         for name, some in each.items()
@@ -112,18 +111,13 @@ def _run(runs: StressRuns, cell: Cell, wave: str, reduction: str, model: SharedM
     return runs.store.run(["basis errors", case.model_dump(mode="json", exclude={"stream"})], compute)
 
 
-def _node_of_spot(model: SharedModel) -> Int[np.ndarray, " spot"]:
-    """Joint of each hot spot."""
-    return np.asarray(model.mesh.member_node.reshape(-1)[model.fatigue.hot_spots.end])
-
-
 def _errors(
-    found: dict[tuple[Cell, str, str], Arrays], cell: Cell, name: str, node: Int[np.ndarray, " spot"]
+    found: dict[tuple[Cell, str, str], Arrays], cell: Cell, name: str, model: SharedModel
 ) -> dict[str, float]:
     """Errors of one basis in one sea state, the larger one of both wave models."""
     true, ours = ([found[cell, wave, basis] for wave in WAVES] for basis in ("full", name))
     stress = true[1]["stress"] > RELEVANT * true[1]["stress"].max()
-    joints = _worst_of_joints(true[1]["damage"], node)
+    joints = worst_of_joints(true[1]["damage"], model)
     worst = int(true[1]["damage"].argmax())
 
     def off(key: str, place: Bool[np.ndarray, " end"] | Int[np.ndarray, " spot"]) -> Float[np.ndarray, "2 n"]:
@@ -144,10 +138,9 @@ def _errors(
     }
 
 
-def _worst_of_joints(
-    damage: Float[np.ndarray, " spot"], node: Int[np.ndarray, " spot"]
-) -> Int[np.ndarray, " joint"]:
-    """Most damaged hot spot of every joint that has damage to speak of."""
+def worst_of_joints(damage: Float[np.ndarray, " spot"], model: SharedModel) -> Int[np.ndarray, " joint"]:
+    """Most damaged hot spot of every joint that has damage to speak of, joints in the order of the mesh."""
+    node = model.mesh.member_node.reshape(-1)[model.fatigue.hot_spots.end]
     spots = [np.flatnonzero(node == joint) for joint in np.unique(node)]
     worst = np.array([own[damage[own].argmax()] for own in spots])
-    return np.asarray(worst[damage[worst] > RELEVANT * damage.max()])
+    return np.asarray(worst[damage[worst] >= RELEVANT * damage.max()])

@@ -10,7 +10,12 @@ from jaxtyping import Float, Int
 from scipy.optimize import brentq
 
 from owt_campaign.shared_model import SharedModel
-from owt_campaign.studies.basis_errors import BasisErrors, basis_errors, compared_cells
+from owt_campaign.studies.basis_errors import (
+    BasisErrors,
+    basis_errors,
+    compared_cells,
+    worst_of_joints,
+)
 from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.reduction import further_seeds
 from owt_campaign.studies.reduction_runs import SPECIFIC, SeaErrors, table_errors
@@ -35,8 +40,6 @@ __all__ = [
 
 #: Relative error that is asked for, and its two-sided quantile of 95 %.
 WANTED, QUANTILE = 0.05, 1.96
-#: Damage of a joint, of the largest one, below which it is not looked at.
-RELEVANT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -106,10 +109,8 @@ class Beyond:
 
     def cell_damage(self, seed: int | None = None, wave: str = SECOND_ORDER) -> dict[Cell, float]:
         """Damage of the worst hot spot in 600 s of each cell, mean of the seeds where none is named."""
-        found: dict[Cell, list[float]] = {}
-        for number in self.table.seeds(wave) if seed is None else [seed]:
-            for cell, record in self.table.records[number, wave].items():
-                found.setdefault(cell, []).append(float(record.damage[self.worst]))
+        seeds = self.table.seeds(wave) if seed is None else [seed]
+        found = _by_seed(self.table, self.worst, wave, seeds)
         return {cell: float(np.mean(values)) for cell, values in found.items()}
 
 
@@ -160,7 +161,7 @@ def beyond_study(*, full: bool, progress: Progress) -> Beyond:
         by_linear={wave: _joints(table, model, damage, wave) for wave in table.linears},
         worst=worst,
         errors=errors,
-        scatter=seed_scatter(_by_seed(table, worst)),
+        scatter=seed_scatter(_of_all_seeds(table, worst)),
         basis=basis,
         basis_cells=compared,
     )
@@ -171,7 +172,7 @@ def _joints(
 ) -> list[Joint]:
     """Damage of the second order, `damage` in all, over that of a linear model."""
     mesh, spots = model.mesh, model.fatigue.hot_spots
-    node = mesh.member_node.reshape(-1)[spots.end]
+    node = mesh.member_node.reshape(-1)
     one, two = (
         table.total(wave, part="damage", like=other)
         for wave, other in ((linear, SECOND_ORDER), (SECOND_ORDER, linear))
@@ -182,11 +183,8 @@ def _joints(
     ]
     half_cycles = table.total(linear, part="half_cycles", like=SECOND_ORDER)
     found = []
-    for joint in np.unique(node):
-        own = np.flatnonzero(node == joint)
-        spot = int(own[damage[own].argmax()])
-        if damage[spot] < RELEVANT * damage.max():
-            continue
+    for spot in worst_of_joints(damage, model).tolist():
+        joint = node[spots.end[spot]]
         ratio = [float(b[spot] / a[spot]) for a, b in each]
         value = float(two[spot] / one[spot])
         found.append(
@@ -225,12 +223,18 @@ def load_factor(
     return float(brentq(lambda factor: damage(factor) / whole - ratio, 0.1, 10.0))
 
 
-def _by_seed(table: TableRuns, spot: int) -> dict[Cell, list[float]]:
-    """Damage of a hot spot by cell, one value per seed; cells of all seeds."""
+def _by_seed(table: TableRuns, spot: int, wave: str, seeds: Sequence[int]) -> dict[Cell, list[float]]:
+    """Damage of a hot spot by cell, one value per seed."""
     found: dict[Cell, list[float]] = {}
-    for seed in table.seeds(SECOND_ORDER):
-        for cell, record in table.records[seed, SECOND_ORDER].items():
+    for seed in seeds:
+        for cell, record in table.records[seed, wave].items():
             found.setdefault(cell, []).append(float(record.damage[spot]))
+    return found
+
+
+def _of_all_seeds(table: TableRuns, spot: int) -> dict[Cell, list[float]]:
+    """The same by second-order waves, of the cells that have the most seeds."""
+    found = _by_seed(table, spot, SECOND_ORDER, table.seeds(SECOND_ORDER))
     most = max(map(len, found.values()))
     return {cell: values for cell, values in found.items() if len(values) == most}
 

@@ -232,8 +232,9 @@ def test_the_page_names_the_linear_waves(finished: Path) -> None:
 def test_what_the_dataset_holds(finished: Path, table: Path) -> None:
     data = results(finished)
     assert dict(data.sizes) | {"case": 2, "seed": 2, "order": 2} == dict(data.sizes)
-    assert data.damage.dims == ("case", "seed", "order", "spot")
+    assert data.damage.dims == ("case", "seed", "order", "hot_spot")
     assert data.damage.attrs["units"] == "1"
+    assert data.total_stress.dims == ("case", "seed", "order", "member", "end")
     assert data.total_stress.attrs["units"] == "Pa"
     assert not data.damage.isnull().any()
     assert (data.status == 0).all()
@@ -243,13 +244,25 @@ def test_what_the_dataset_holds(finished: Path, table: Path) -> None:
     np.testing.assert_array_equal(data.histogram.sum("bin"), data.cycles)
     # Damage of a year: the mean of the seeds, by probability, and by the records that a year holds.
     per_year = (data.damage.mean("seed") * data.probability).sum("case") * 365.25 * 86400.0 / 20.0
-    np.testing.assert_allclose(data.damage_per_year, per_year.transpose("order", "spot"), rtol=1e-12)
+    np.testing.assert_allclose(data.damage_per_year, per_year.transpose("order", "hot_spot"), rtol=1e-12)
     np.testing.assert_allclose(data.life_years * 3.0 * data.damage_per_year, 1.0, rtol=1e-12)
     # The spot of a member end that is worst in one sea state is not always that of another.
     largest_first = (
-        (data.damage.mean("seed").max("spot") * data.probability).sum("case") * 365.25 * 86400.0 / 20.0
+        (data.damage.mean("seed").max("hot_spot") * data.probability).sum("case") * 365.25 * 86400.0 / 20.0
     )
-    assert (per_year.max("spot") <= largest_first).all()
+    assert (per_year.max("hot_spot") <= largest_first).all()
+
+
+def test_every_place_has_its_member_end_and_joint(finished: Path) -> None:
+    data = results(finished)
+    for spot in data.hot_spot[:: len(data.hot_spot) // 50]:
+        end = data.joint.sel(member=spot.hot_spot_member, end=spot.hot_spot_end).item()
+        assert str(spot.values).startswith(f"{spot.hot_spot_member.item()}:{end} ")
+    stress = pd.read_parquet(finished / "tables" / "total_stress_per_year.parquet").set_index("order").loc[2]
+    for name, value in zip(stress.member_end, stress.total_stress_per_year_pa, strict=True):
+        member, joint = name.split(":")
+        there = data.total_stress_per_year.sel(order=2, member=member)
+        assert there.where(data.joint.sel(member=member) == joint, drop=True).item() == value
 
 
 def test_what_the_tables_hold(finished: Path) -> None:
@@ -309,7 +322,7 @@ def test_a_refused_row_fails_alone(tmp_path: Path, capsys: pytest.CaptureFixture
     data = results(folder)
     assert data.status.values.ravel().tolist() == [0, 1, 1, 1]
     assert "steepness" in str(data.message.values[1, 0, 0])
-    assert data.damage.isnull().all("spot").values.ravel().tolist() == [False, True, True, True]
+    assert data.damage.isnull().all("hot_spot").values.ravel().tolist() == [False, True, True, True]
 
 
 def test_errors_against_the_full_model(tmp_path: Path) -> None:
@@ -332,7 +345,7 @@ def test_errors_against_the_full_model(tmp_path: Path) -> None:
     assert json.loads((folder / "summary.json").read_text())["computed"] == 2
     assert float(np.abs(data.potential_mean_error.sel(part="total")).max()) < 0.05
     assert float(np.abs(data.potential_mean_error).max()) > 0.0
-    errors = pd.read_parquet(folder / "tables" / "errors_end.parquet")
+    errors = pd.read_parquet(folder / "tables" / "errors_member_end.parquet")
     np.testing.assert_array_equal(errors.total_stress_error, data.total_stress_error.values.ravel())
 
 

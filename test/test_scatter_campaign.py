@@ -53,14 +53,14 @@ def test_damage_is_added_up_by_occurrence(folder: Path) -> None:
     done = data.isel(case=slice(0, 4), seed=0)
     per_record = (done.damage * done.probability).sum("case")
     per_year = per_record * 365.25 * 86400.0 / 20.0
-    np.testing.assert_allclose(data.damage_per_year, per_year.transpose("order", "spot"), rtol=1e-12)
+    np.testing.assert_allclose(data.damage_per_year, per_year.transpose("order", "hot_spot"), rtol=1e-12)
     assert summary["computed"] == 8
     assert len(summary["failed"]) == 2
     for order in ("1", "2"):
         assert summary["totals"][order]["probability_covered"] == pytest.approx(0.99)
     # Negative control: cells that count alike give another damage.
     alike = done.damage.mean("case") * 365.25 * 86400.0 / 20.0
-    assert not np.allclose(data.damage_per_year, alike.transpose("order", "spot"), rtol=0.5)
+    assert not np.allclose(data.damage_per_year, alike.transpose("order", "hot_spot"), rtol=0.5)
 
 
 def test_cells_are_those_of_the_full_table(folder: Path, tmp_path: Path) -> None:

@@ -205,7 +205,7 @@ def _write_results(
     partial = folder / f".{RESULTS}.partial"
     builders = {order: TotalsBuilder(plan.occurrence.probability) for order in plan.orders}
     with (
-        CampaignFile(partial, plan, result.sample, mesh.end_name, attributes) as file,
+        CampaignFile(partial, plan, result.sample, mesh, attributes) as file,
         CampaignTables(folder / TABLES, plan, mesh.end_name, attributes) as tables,
     ):
         for row in range(len(plan.table.rows)):

@@ -122,11 +122,11 @@ class CampaignTables:
             "reduction": outcome.reduction,
         })  # fmt: skip
         self._add("damage", {
-            **self._place(place, spots.n_spots), "spot": _words(spots.name), "damage": fatigue.damage,
+            **self._place(place, spots.n_spots), "hot_spot": _words(spots.name), "damage": fatigue.damage,
             "cycles": fatigue.cycles, "max_range_pa": fatigue.max_range,
         })  # fmt: skip
         self._add("total_stress", {
-            **self._place(place, spots.n_ends), "end": _words(self._end_name),
+            **self._place(place, spots.n_ends), "member_end": _words(self._end_name),
             "total_stress_pa": fatigue.total_stress, "von_mises_cycles": fatigue.von_mises_cycles,
         })  # fmt: skip
         self._add("energy", {
@@ -160,15 +160,17 @@ class CampaignTables:
 
     def add_errors(self, place: Place, errors: ErrorsAgainstFull, outcome: CaseOutcome) -> None:
         """Add the errors of a case against the unreduced model."""
-        names = {"spot": outcome.fatigue.hot_spots.name, "end": self._end_name, "part": outcome.energy.part}
-        for dimension, words in names.items():
+        places = {
+            "spot": ("hot_spot", outcome.fatigue.hot_spots.name),
+            "end": ("member_end", self._end_name),
+            "part": ("part", outcome.energy.part),
+        }
+        for by, (column, words) in places.items():
             found = {
-                name: getattr(errors, name)
-                for name, (of, _) in ErrorsAgainstFull.MEANING.items()
-                if of == dimension
+                name: getattr(errors, name) for name, (of, _) in ErrorsAgainstFull.MEANING.items() if of == by
             }
-            columns = {**self._place(place, len(words)), dimension: _words(words), **found}
-            self._add(f"errors_{dimension}", columns)
+            columns = {**self._place(place, len(words)), column: _words(words), **found}
+            self._add(f"errors_{column}", columns)
 
     def add_totals(
         self, totals: Mapping[int, OrderTotals], sample: CaseOutcome, design_fatigue_factor: float
@@ -180,19 +182,19 @@ class CampaignTables:
         low, high = np.concatenate([[0.0], edges]), np.concatenate([edges, [np.inf]])
         for order, total in totals.items():
             self._add("totals", {
-                "order": np.full(spots.n_spots, order, dtype=np.int8), "spot": _words(spots.name),
-                "end": _words([self._end_name[end] for end in spots.end]), "side": _words(spots.side),
+                "order": np.full(spots.n_spots, order, dtype=np.int8), "hot_spot": _words(spots.name),
+                "member_end": _words([self._end_name[end] for end in spots.end]), "side": _words(spots.side),
                 "damage_per_year": total.damage_per_year,
                 "life_years": total.life_years(design_fatigue_factor),
             })  # fmt: skip
             self._add("total_stress_per_year", {
-                "order": np.full(spots.n_ends, order, dtype=np.int8), "end": _words(self._end_name),
+                "order": np.full(spots.n_ends, order, dtype=np.int8), "member_end": _words(self._end_name),
                 "total_stress_per_year_pa": total.total_stress_per_year,
             })  # fmt: skip
             spot, place = np.nonzero(total.cycles_per_year)
             self._add("stress_ranges", {
                 "order": np.full(len(spot), order, dtype=np.int8),
-                "spot": pa.DictionaryArray.from_arrays(spot.astype(np.int32), pa.array(spots.name)),
+                "hot_spot": pa.DictionaryArray.from_arrays(spot.astype(np.int32), pa.array(spots.name)),
                 "range_from_pa": low[place], "range_to_pa": high[place],
                 "cycles_per_year": total.cycles_per_year[spot, place],
             })  # fmt: skip

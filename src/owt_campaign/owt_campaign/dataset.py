@@ -1,7 +1,8 @@
 """Results of a campaign as one netCDF file that xarray opens, written case by case in little memory.
 
-Dimensions are ``case`` (row of the table), ``seed``, ``order``, ``end``, ``spot``, ``bin``, ``part`` and
-``stage``. A case that failed has ``status`` 1 and its ``message``, and missing values everywhere else.
+Dimensions are ``case`` (row of the table), ``seed``, ``order``, ``member``, ``end`` (of the member),
+``hot_spot``, ``bin``, ``part`` and ``stage``. A case that failed has ``status`` 1 and its ``message``, and
+missing values everywhere else.
 """
 
 from __future__ import annotations
@@ -18,12 +19,15 @@ from owt_campaign.engine import CaseOutcome
 from owt_campaign.errors_full import ErrorsAgainstFull
 from owt_campaign.plan import CampaignPlan, Place
 from owt_campaign.totals import OrderTotals
+from owt_model.mesh import Mesh
 
 __all__ = ["STAGES", "CampaignFile"]
 
 PER_CASE = ("case", "seed", "order")
 STAGES = ("tower-top load", "waves and loads", "load basis", "reduction", "response and stress", "rainflow")
-#: Name, dimensions beyond those of a case, unit, meaning.
+#: Dimensions of an array per hot spot, per member end, per part or per stage.
+DIMENSIONS = {"spot": ("hot_spot",), "end": ("member", "end"), "part": ("part",), "stage": ("stage",)}
+#: Name, what it is counted by, unit, meaning.
 RESULTS = (
     ("damage", "spot", "1", "Palmgren-Miner damage of the record"),
     ("cycles", "spot", "1", "cycles of the hot-spot stress"),
@@ -52,8 +56,8 @@ class CampaignFile:
         What was run.
     sample : CaseOutcome
         Any outcome: it tells the hot spots and their names.
-    end_name : tuple of str
-        Of the member ends.
+    mesh : Mesh
+        Its members.
     attributes : mapping
         Provenance.
     """
@@ -63,20 +67,20 @@ class CampaignFile:
         path: Path,
         plan: CampaignPlan,
         sample: CaseOutcome,
-        end_name: tuple[str, ...],
+        mesh: Mesh,
         attributes: Mapping[str, Any],
     ) -> None:
         self._plan, self._file = plan, h5netcdf.File(path, "w")
         self._row_place = {
             (s, o): (i, j) for i, s in enumerate(plan.seeds) for j, o in enumerate(plan.orders)
         }
-        spots = sample.fatigue.hot_spots
         self._file.dimensions = {
             "case": len(plan.table.rows),
             "seed": len(plan.seeds),
             "order": len(plan.orders),
-            "end": spots.n_ends,
-            "spot": spots.n_spots,
+            "member": mesh.n_members,
+            "end": 2,
+            "hot_spot": sample.fatigue.hot_spots.n_spots,
             "bin": sample.fatigue.histogram.shape[1],
             "edge": len(sample.fatigue.range_edge),
             "part": len(sample.energy.part),
@@ -84,7 +88,7 @@ class CampaignFile:
         }
         for name, value in attributes.items():
             self._file.attrs[name] = value
-        self._coordinates(sample, end_name)
+        self._coordinates(sample, mesh)
         self._declare()
 
     def __enter__(self) -> Self:
@@ -107,7 +111,7 @@ class CampaignFile:
             variable.attrs["units"] = unit
         variable.attrs["long_name"] = meaning
 
-    def _coordinates(self, sample: CaseOutcome, end_name: tuple[str, ...]) -> None:
+    def _coordinates(self, sample: CaseOutcome, mesh: Mesh) -> None:
         plan, spots, fatigue = self._plan, sample.fatigue.hot_spots, sample.fatigue
         rows = plan.table.rows
         self._put("case", ("case",), [row.row for row in rows], "1", "row of the load-case table, from 1")
@@ -130,25 +134,32 @@ class CampaignFile:
             self._put(
                 f"table_{name}", ("case",), [row.extra[name] for row in rows], "", "column of the table"
             )
-        self._put("end", ("end",), end_name, "", "member end, member:joint")
-        self._put("spot", ("spot",), spots.name, "", "hot spot")
-        self._put("spot_end", ("spot",), spots.end, "1", "place of the spot's member end, from 0")
-        self._put("spot_side", ("spot",), spots.side, "", "chord, brace or wall")
-        self._put("spot_angle_deg", ("spot",), spots.angle_deg, "degree", "angle of the spot")
+        self._put("member", ("member",), mesh.member_name, "", "member")
+        self._put("end", ("end",), [1, 2], "1", "first and second end of a member")
+        joint = [[mesh.node_name[node] for node in nodes] for nodes in mesh.member_node]
+        self._put("joint", ("member", "end"), joint, "", "joint at the member end")
+        member, end = np.divmod(spots.end, 2)
+        self._put("hot_spot", ("hot_spot",), spots.name, "", "hot spot")
+        self._put("hot_spot_member", ("hot_spot",), [mesh.member_name[m] for m in member], "", "its member")
+        self._put("hot_spot_end", ("hot_spot",), end + 1, "1", "end of its member, 1 or 2")
+        self._put("hot_spot_side", ("hot_spot",), spots.side, "", "chord, brace or wall")
+        self._put("hot_spot_angle_deg", ("hot_spot",), spots.angle_deg, "degree", "angle of the spot")
         self._put("range_edge", ("edge",), fatigue.range_edge, "Pa", "inner edges of the range bins")
         self._put("part", ("part",), sample.energy.part, "", "the whole and its substructures")
         self._put("stage", ("stage",), STAGES, "", "stage of the computation")
+        beside = [name for name in self._file.variables if name not in self._file.dimensions]
+        self._file.attrs["coordinates"] = " ".join(beside)  # of the CF conventions, so that xarray knows them
 
     def _declare(self) -> None:
         """Variables per case, missing until a case is written."""
-        for name, dimension, unit, meaning in RESULTS:
-            self._variable(name, dimension, unit, meaning)
+        for name, by, unit, meaning in RESULTS:
+            self._variable(name, by, unit, meaning)
         for name, meaning in ENERGIES:
             self._variable(name, "part", "J", meaning)
         self._variable("stage_seconds", "stage", "s", "time spent in each stage")
-        size = (1, 1, 1, *(self._file.dimensions[name].size for name in ("spot", "bin")))
+        size = (1, 1, 1, *(self._file.dimensions[name].size for name in ("hot_spot", "bin")))
         histogram = self._file.create_variable(
-            "histogram", (*PER_CASE, "spot", "bin"), dtype="u4", chunks=size, compression="gzip",
+            "histogram", (*PER_CASE, "hot_spot", "bin"), dtype="u4", chunks=size, compression="gzip",
             compression_opts=1, shuffle=True,
         )  # fmt: skip
         histogram.attrs.update(HALF_CYCLES)
@@ -160,12 +171,15 @@ class CampaignFile:
             variable = self._file.create_variable(name, PER_CASE, dtype=_text())
             variable.attrs["long_name"] = meaning
 
-    def _variable(self, name: str, dimension: str, unit: str, meaning: str) -> None:
-        size = (1, 1, 1, self._file.dimensions[dimension].size)
+    def _variable(self, name: str, by: str, unit: str, meaning: str) -> None:
+        size = (1, 1, 1, *self._shape(by))
         variable = self._file.create_variable(
-            name, (*PER_CASE, dimension), dtype="f8", chunks=size, fillvalue=np.nan
+            name, (*PER_CASE, *DIMENSIONS[by]), dtype="f8", chunks=size, fillvalue=np.nan
         )
         variable.attrs["units"], variable.attrs["long_name"] = unit, meaning
+
+    def _shape(self, by: str) -> tuple[int, ...]:
+        return tuple(self._file.dimensions[name].size for name in DIMENSIONS[by])
 
     def _at(self, place: Place) -> tuple[int, int, int]:
         return (place.row, *self._row_place[place.seed, place.order])
@@ -173,8 +187,8 @@ class CampaignFile:
     def write(self, place: Place, key: str, outcome: CaseOutcome) -> None:
         """Write the outcome of a case."""
         at, fatigue, file = self._at(place), outcome.fatigue, self._file
-        for name, *_ in RESULTS:
-            file[name][at] = getattr(fatigue, name)
+        for name, by, *_ in RESULTS:
+            file[name][at] = getattr(fatigue, name).reshape(self._shape(by))
         for name, _ in ENERGIES:
             file[name][at] = getattr(outcome.energy, name)
         file["stage_seconds"][at] = np.array([outcome.stage_seconds.get(stage, 0.0) for stage in STAGES])
@@ -189,39 +203,30 @@ class CampaignFile:
 
     def write_errors(self, place: Place, errors: ErrorsAgainstFull) -> None:
         """Write the errors of a case against the unreduced model."""
-        for name, (dimension, meaning) in ErrorsAgainstFull.MEANING.items():
+        for name, (by, meaning) in ErrorsAgainstFull.MEANING.items():
             if name not in self._file.variables:
-                self._variable(name, dimension, "1", meaning)
-            self._file[name][self._at(place)] = getattr(errors, name)
+                self._variable(name, by, "1", meaning)
+            self._file[name][self._at(place)] = getattr(errors, name).reshape(self._shape(by))
 
     def write_totals(self, totals: Mapping[int, OrderTotals], design_fatigue_factor: float) -> None:
         """Write the totals of each wave order."""
-        some = next(iter(totals.values()))
-        missing = {
-            "damage_per_year": np.full_like(some.damage_per_year, np.nan),
-            "total_stress_per_year": np.full_like(some.total_stress_per_year, np.nan),
-        }
-        orders = self._plan.orders
-        for name, dimension, unit in (
-            ("damage_per_year", "spot", "1/a"),
-            ("total_stress_per_year", "end", "Pa/a"),
+        life = {order: total.life_years(design_fatigue_factor) for order, total in totals.items()}
+        weighted = "weighted by probability, mean over the seeds"
+        for name, by, unit, meaning, values in (
+            ("damage_per_year", "spot", "1/a", weighted, {o: t.damage_per_year for o, t in totals.items()}),
+            (
+                "total_stress_per_year",
+                "end",
+                "Pa/a",
+                weighted,
+                {o: t.total_stress_per_year for o, t in totals.items()},
+            ),
+            ("life_years", "spot", "a", f"with design fatigue factor {design_fatigue_factor:g}", life),
         ):
-            values = [getattr(totals[o], name) if o in totals else missing[name] for o in orders]
-            self._put(
-                name, ("order", dimension), values, unit, "weighted by probability, mean over the seeds"
-            )
-        life = [
-            totals[o].life_years(design_fatigue_factor) if o in totals else missing["damage_per_year"]
-            for o in orders
-        ]
-        self._put(
-            "life_years",
-            ("order", "spot"),
-            life,
-            "a",
-            f"with design fatigue factor {design_fatigue_factor:g}",
-        )
-        covered = [totals[o].covered if o in totals else 0.0 for o in orders]
+            missing = np.full(self._shape(by), np.nan)
+            rows = [values[o].reshape(missing.shape) if o in values else missing for o in self._plan.orders]
+            self._put(name, ("order", *DIMENSIONS[by]), rows, unit, meaning)
+        covered = [totals[o].covered if o in totals else 0.0 for o in self._plan.orders]
         self._put("probability_covered", ("order",), covered, "1", "probability of the rows in the totals")
 
 

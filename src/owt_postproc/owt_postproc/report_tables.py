@@ -61,7 +61,7 @@ def usage_tables(usage: Usage, design: DesignLife | None) -> list[Table]:
     }
     everywhere = np.arange(len(usage.spot_name))
     spots: dict[str, Any] = {
-        "spot": usage.spot_name,
+        "hot_spot": usage.spot_name,
         "member_end": [usage.end_name[e] for e in usage.spot_end],
         **_spot_columns(usage, everywhere),
     }
@@ -71,7 +71,7 @@ def usage_tables(usage: Usage, design: DesignLife | None) -> list[Table]:
     edge = np.concatenate([[0.0], usage.range_edge, [np.inf]])
     at, bins = np.nonzero(usage.histogram)
     counts = {
-        "spot": [usage.spot_name[s] for s in at],
+        "hot_spot": [usage.spot_name[s] for s in at],
         "range_low_pa": edge[bins],
         "range_high_pa": edge[bins + 1],
         "cycles": usage.histogram[at, bins],

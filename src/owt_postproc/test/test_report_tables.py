@@ -71,7 +71,7 @@ def test_range_counts_are_all_cycles(usage):
     """What is left out is empty bins only: the counts of a spot add up to its cycles."""
     counts = usage_tables(usage, None)[2].columns
     total: dict[str, float] = {}
-    for name, cycles in zip(counts["spot"], counts["cycles"], strict=True):
+    for name, cycles in zip(counts["hot_spot"], counts["cycles"], strict=True):
         total[name] = total.get(name, 0.0) + cycles
     assert [total[name] for name in usage.spot_name] == usage.cycles.tolist()
     assert (counts["range_low_pa"] < counts["range_high_pa"]).all()

@@ -206,7 +206,9 @@ def _number(value: float) -> Cell:
 
 
 def _years(years: float) -> str:
-    return f"{years:.3g} years" if np.isfinite(years) else "unlimited"
+    if not np.isfinite(years):
+        return "unlimited"
+    return f"{years:.3g} years" if years < 999.5 else f"{power(years)} years"
 
 
 def _yearly_usage(fatigue: Any, mesh: Mesh, total: OrderTotals) -> Usage:

@@ -147,7 +147,7 @@ class CampaignTables:
     def _case(self, place: Place, key: str, status: str, message: str, results: Mapping[str, Any]) -> None:
         row = self._plan.table.rows[place.row]
         columns = {
-            **self._place(place, 1),
+            **self._place(place, 1), "sea_seed": [row.own_seed(place.seed)],
             "hs_m": [row.hs_m], "tp_s": [row.tp_s], "direction_deg": [row.direction_deg],
             "probability": [float(self._plan.occurrence.probability[place.row])],
             "status": [status], "message": [message], "key": [key],

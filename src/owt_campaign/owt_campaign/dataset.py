@@ -115,7 +115,9 @@ class CampaignFile:
         plan, spots, fatigue = self._plan, sample.fatigue.hot_spots, sample.fatigue
         rows = plan.table.rows
         self._put("case", ("case",), [row.row for row in rows], "1", "row of the load-case table, from 1")
-        self._put("seed", ("seed",), np.array(plan.seeds), "1", "seed of the sea")
+        self._put("seed", ("seed",), np.array(plan.seeds), "1", "number of the realisation")
+        own = [[row.own_seed(seed) for seed in plan.seeds] for row in rows]
+        self._put("sea_seed", ("case", "seed"), own, "1", "seed of its random numbers, in the case file")
         self._put("order", ("order",), np.array(plan.orders), "1", "order of the waves")
         self._put("hs_m", ("case",), [row.hs_m for row in rows], "m", "significant wave height")
         self._put("tp_s", ("case",), [row.tp_s for row in rows], "s", "peak period")

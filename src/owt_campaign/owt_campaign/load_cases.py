@@ -8,6 +8,7 @@ comments. A row that cannot be a case does not stop the others: it says what is 
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import json
 import math
@@ -26,6 +27,7 @@ __all__ = [
     "LoadCaseTable",
     "case_of",
     "german_bight",
+    "own_seed",
     "read_csv",
     "read_load_cases",
     "shipped_table",
@@ -57,6 +59,10 @@ class LoadCase:
     tp_s: float
     extra: Mapping[str, str] = field(default_factory=dict)
     problem: InputError | None = None
+
+    def own_seed(self, seed: int) -> int:
+        """Seed of the random numbers of its `seed`-th realisation, see :func:`own_seed`."""
+        return own_seed(self.hs_m, self.tp_s, self.direction_deg, seed)
 
     @property
     def label(self) -> str:
@@ -183,6 +189,29 @@ def _row(number: int, cells: dict[str, str]) -> LoadCase:
     return LoadCase(number, hs, direction, tp, extra=cells, problem=problem)
 
 
+def own_seed(hs_m: float, tp_s: float, direction_deg: float, seed: int) -> int:
+    """Seed of the random numbers of one sea state, of its `seed`-th realisation.
+
+    Sea states of a table need phases of their own. With the same ones in each, records of all sea states are
+    large or small together, and the damage of a table scatters as that of a single record does. The number
+    follows from the sea state alone: it is the same in every table, wherever its row stands.
+
+    Parameters
+    ----------
+    hs_m, tp_s, direction_deg : float
+        The sea state, as its table gives it.
+    seed : int
+        Number of the realisation.
+
+    Returns
+    -------
+    int
+        The first 32 bits of a SHA-256.
+    """
+    text = f"{float(hs_m)!r} {float(tp_s)!r} {float(direction_deg)!r} {seed}"
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4])
+
+
 def case_of(
     row: LoadCase, base: Mapping[str, Any] | None = None, *, seed: int, order: int | None = None
 ) -> CaseConfig:
@@ -195,7 +224,8 @@ def case_of(
     base : mapping, optional
         All else of the case, as a case file holds it.
     seed : int
-        Seed of its sea.
+        Of its sea, and of the wind of ``wind.thrust``. Realisations of a table take
+        :meth:`LoadCase.own_seed`.
     order : int, optional
         Wave order, in the place of that of `base`.
 
@@ -221,6 +251,9 @@ def case_of(
         "direction_deg": towards_deg(row.direction_deg),
         "seed": seed,
     }
+    thrust = (data.get("wind") or {}).get("thrust")
+    if thrust is not None:
+        thrust["seed"] = seed
     if order is not None:
         data["wave"] = {**(data.get("wave") or {}), "order": order}
     return parse_case(data)

@@ -20,7 +20,10 @@ FULL = "full"
 
 @dataclass(frozen=True)
 class Place:
-    """Where a case stands in the results; `full` for those that only errors are measured against."""
+    """Where a case stands in the results; `full` for those that only errors are measured against.
+
+    `seed` counts the realisations of a sea state; its case holds the :meth:`LoadCase.own_seed` of that number.
+    """
 
     row: int
     seed: int
@@ -97,13 +100,14 @@ def make_plan(
     numbers = tuple(range(int(first), int(first) + seeds))
     unreduced = _with_reduction(base, FULL)
     places, cases, refused = [], [], {}
-    for row in range(len(table.rows)):
+    for row, load_case in enumerate(table.rows):
         for order in orders:
             for seed in numbers:
                 for full in (False, True) if against_full else (False,):
                     place = Place(row, seed, order, full)
+                    given = unreduced if full else base
                     try:
-                        case = case_of(table.rows[row], unreduced if full else base, seed=seed, order=order)
+                        case = case_of(load_case, given, seed=load_case.own_seed(seed), order=order)
                     except InputError as error:
                         refused[place] = " ".join(str(error).split())
                         continue

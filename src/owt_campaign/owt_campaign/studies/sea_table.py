@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from owt_campaign.load_cases import german_bight, towards_deg
+from owt_campaign.load_cases import german_bight, own_seed, towards_deg
 from owt_campaign.occurrence import table_occurrence
 from owt_campaign.studies.cases import study_case
 from owt_model.config import CaseConfig
@@ -62,8 +62,15 @@ def few_cells() -> list[Cell]:
     return [cell for cell in load_case_table() if (cell.hs_m, cell.from_deg) in chosen]
 
 
-def cell_case(cell: Cell, *, seed: int = 1, samples: int = 6000, **changes: Any) -> CaseConfig:
-    """Case of a sea state; the rest as :func:`~owt_campaign.studies.cases.study_case`."""
+def cell_case(
+    cell: Cell, *, seed: int = 1, samples: int = 6000, shared_phases: bool = False, **changes: Any
+) -> CaseConfig:
+    """Case of a sea state; the rest as :func:`~owt_campaign.studies.cases.study_case`.
+
+    Each sea state has phases of its own, unless `shared_phases` gives all of them those of the seed.
+    """
+    if not shared_phases:
+        seed = own_seed(cell.hs_m, cell.tp_s, cell.from_deg, seed)
     return study_case(
         cell.hs_m, cell.tp_s, seed=seed, direction_deg=cell.to_deg, duration_s=0.1 * samples, **changes
     )

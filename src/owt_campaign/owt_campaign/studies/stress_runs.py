@@ -44,12 +44,13 @@ PIECE = 500
 
 @dataclass(frozen=True)
 class Sea:
-    """The waves of a run: a sea state, its seed, the wave model and the cut-off."""
+    """The waves of a run: sea state, seed, wave model, cut-off; phases of its own or those of all others."""
 
     cell: Cell
     seed: int = 1
     wave: str = SECOND_ORDER
     cutoff: str = "4 omega_p"
+    shared_phases: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ class StressRuns:
         """Case of a run."""
         case = cell_case(
             sea.cell, seed=sea.seed, samples=self.samples, wave=sea.wave, cutoff=sea.cutoff,
-            structure=structure, reduction=REDUCTION,
+            structure=structure, reduction=REDUCTION, shared_phases=sea.shared_phases,
         )  # fmt: skip
         step = {"dt_s": STEP_S, "integrator": "exact"}
         return case.model_copy(update={"structure": case.structure.model_copy(update=step)})

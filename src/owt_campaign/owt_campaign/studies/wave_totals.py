@@ -146,7 +146,7 @@ def by_member(total: Float[np.ndarray, " end"]) -> Float[np.ndarray, " member"]:
 
 
 def run_table(
-    samples: int, plan: Sequence[Part], progress: Progress, *, workers: int = 0
+    samples: int, plan: Sequence[Part], progress: Progress, *, workers: int = 0, shared_phases: bool = False
 ) -> dict[str, TableRuns]:
     """Run parts of the load-case table.
 
@@ -160,6 +160,8 @@ def run_table(
         Called with the runs done and those in all.
     workers : int
         Processes to use; 0 computes in this one.
+    shared_phases : bool
+        Give all sea states the phases of their seed.
 
     Returns
     -------
@@ -171,7 +173,11 @@ def run_table(
     WorkerLostError
         If the workers that ran a sea died.
     """
-    seas = [(Sea(cell, seed, wave), names) for seed, wave, cells, names in plan for cell in cells]
+    seas = [
+        (Sea(cell, seed, wave, shared_phases=shared_phases), names)
+        for seed, wave, cells, names in plan
+        for cell in cells
+    ]
     computed: dict[Sea, dict[str, StressRecord]] = {}
     pool: Pool = DaskPool(workers) if workers else InProcess()
     with pool:

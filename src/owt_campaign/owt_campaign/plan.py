@@ -22,7 +22,7 @@ FULL = "full"
 class Place:
     """Where a case stands in the results; `full` for those that only errors are measured against.
 
-    `seed` counts the realisations of a sea state; its case holds the :meth:`LoadCase.own_seed` of that number.
+    `seed` counts the realisations of a sea state; its case holds the :meth:`LoadCase.own_seed` of it.
     """
 
     row: int

@@ -11,18 +11,21 @@ import numpy as np
 import pytest
 
 from owt_campaign.studies.basis_errors import basis_errors
-from owt_campaign.studies.beyond import cells_for, load_factor, seed_scatter
-from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
+from owt_campaign.studies.beyond import load_factor
+from owt_campaign.studies.cases import LINEAR, SECOND_ORDER, SEEDS
 from owt_campaign.studies.modal_contribution import modal_contribution
 from owt_campaign.studies.reduction_runs import table_errors
 from owt_campaign.studies.registry import run_study
-from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table, occurrence
+from owt_campaign.studies.sampling import sampling, seed_scatter, table_variation
+from owt_campaign.studies.sea_table import Cell, cell_case, few_cells, load_case_table, occurrence
 from owt_campaign.studies.store import Store
-from owt_campaign.studies.stress_runs import Sea, StressRuns
+from owt_campaign.studies.stress_runs import Sea, StressRecord, StressRuns
 from owt_campaign.studies.wave_comparison import energy_peaks
-from owt_campaign.studies.wave_totals import run_table
+from owt_campaign.studies.wave_totals import TableRuns, run_table
+from owt_model.config import CaseConfig
 from owt_postproc.core.sn import sn_curve
 from owt_postproc.core.stage import BINS_PER_DECADE, LOWEST_PA
+from owt_wave_node.core.sea import build_sea_state
 
 STUDY = Path(__file__).parents[1] / "docs" / "study"
 NAMES = ("wave-comparison", "sensitivity", "reduction", "modal-contribution", "beyond")
@@ -193,13 +196,63 @@ def test_seed_scatter_finds_the_scatter_it_is_given() -> None:
     assert other.pooled > 1.5 * found.pooled
 
 
+def invented_runs(damage: Callable[[int, Cell], list[float]]) -> TableRuns:
+    """Runs of second order of which only the damage of the hot spots is filled."""
+
+    def record(values: list[float]) -> StressRecord:
+        return StressRecord(
+            np.zeros(1), np.zeros((1, 1)), np.zeros(5), np.array(values), np.zeros((1, 1), dtype=int)
+        )
+
+    cells = load_case_table()
+    return TableRuns(
+        {(seed, SECOND_ORDER): {cell: record(damage(seed, cell)) for cell in cells} for seed in SEEDS}
+    )
+
+
 def test_sea_states_drawn_in_proportion_to_the_damage_need_one() -> None:
     """Weights that are the damage give it with any draw; others need more."""
-    damage = {cell: cell.hs_m**3 for cell in load_case_table()}
-    needed = cells_for(damage)
-    assert needed["probability x Hs^3"] == (pytest.approx(0.0, abs=1e-6), 1)
-    assert needed["probability x regression"][0] == pytest.approx(0.0, abs=1e-6)
-    assert needed["probability"][0] > 100.0
+    runs = invented_runs(lambda seed, cell: [cell.hs_m**3, cell.tp_s**9, seed * cell.hs_m**3])
+    needed = sampling(runs, 0, np.array([0, 1, 2]))
+    cubic = needed["probability x Hs^3"]
+    assert (cubic.draws, cubic.largest, cubic.seeds) == (pytest.approx(0.0, abs=1e-6), 1, (1, 1))
+    assert cubic.joints[0] == 1  # of three joints two grow as the weights do
+    assert cubic.joints[1] > 20  # the other does not
+    assert needed["probability x regression"].draws == pytest.approx(0.0, abs=1e-6)
+    assert needed["probability"].draws > 100.0
+
+
+def test_what_all_sea_states_share_does_not_average_out() -> None:
+    """Independent scatter of 20 % all but vanishes in the table's damage, shared scatter stays."""
+    rng = np.random.default_rng(3)
+    spots = 200
+    common = {seed: rng.normal(1.0, 0.2, spots) for seed in SEEDS}
+    own = table_variation(invented_runs(lambda seed, cell: rng.normal(1.0, 0.2, spots).tolist()))
+    shared = table_variation(invented_runs(lambda seed, cell: common[seed].tolist()))
+    weights = occurrence(load_case_table())
+    assert own == pytest.approx(0.2 * np.sqrt((weights**2).sum()), rel=0.2)
+    assert shared == pytest.approx(0.2, rel=0.2)
+
+
+def test_sea_states_have_phases_of_their_own() -> None:
+    """Elevations of neighbouring sea states are alike with shared phases only."""
+
+    def alike(*, shared_phases: bool) -> float:
+        one, two = (
+            surface(cell_case(cell, samples=3000, shared_phases=shared_phases))
+            for cell in load_case_table()
+            if cell.from_deg == 330.0 and 4.0 < cell.hs_m < 5.0
+        )
+        return float(np.corrcoef(one, two)[0, 1])
+
+    assert alike(shared_phases=True) > 0.5
+    assert abs(alike(shared_phases=False)) < 0.2
+
+
+def surface(case: CaseConfig) -> np.ndarray:
+    """First-order elevation at the origin."""
+    sea, t = build_sea_state(case), 0.1 * np.arange(case.time.n)
+    return np.asarray(np.cos(np.outer(t, sea.omega_rad_s) - sea.phase_rad) @ sea.amplitude_m)
 
 
 def test_energy_factor_is_that_of_the_window() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from owt_campaign.load_cases import (
     LoadCaseTable,
     case_of,
     german_bight,
+    own_seed,
     read_load_cases,
     shipped_table,
     towards_deg,
@@ -87,6 +89,20 @@ def test_directions_become_those_of_cases() -> None:
     assert case.sea_state is not None
     assert (case.sea_state.hs_m, case.sea_state.tp_s, case.sea_state.direction_deg) == (0.25, 8.03, 210.0)
     assert (case.sea_state.seed, case.wave.order, case.structure.reduction) == (4, 1, "CB00")
+
+
+def test_seeds_are_the_sea_state_s_own() -> None:
+    """Of every sea state and realisation another one, the same wherever the row stands, fixed for ever."""
+    rows = german_bight().rows
+    assert len({row.own_seed(seed) for row in rows for seed in (1, 2, 3)}) == 3 * len(rows)
+    moved = replace(rows[0], row=99, extra={})
+    assert moved.own_seed(2) == rows[0].own_seed(2)
+    assert own_seed(6.0, 9.45, 330.0, 1) == own_seed(6, 9.45, 330, 1) == 187012468
+    thrust = {"speed_m_s": 12.0, "direction_deg": 210.0, "seed": 7}
+    case = case_of(rows[0], {"wind": {"thrust": thrust}}, seed=5)
+    assert case.wind is not None
+    assert case.wind.thrust is not None
+    assert (case.wind.thrust.seed, thrust["seed"]) == (5, 7)  # the wind goes with the sea; the base is left
 
 
 def test_the_table_of_the_thesis_is_complete() -> None:

@@ -197,7 +197,8 @@ def _sections(study: ReductionStudy, rows: list[Row]) -> list[str]:
         _HEAD,
         f"Runs: {runs}.",
         "## Print and this code\n\n" + rows_table(rows),
-        "## Frequencies\n\nBy rank, as in figure 6.1; load vectors as in table B.1 (Hs 8.25 m, Tp 11.5 s). "
+        "## Frequencies\n\nBy rank, as in figure 6.1; load vectors are those of table B.1: Hs 8.25 m, Tp "
+        "11.5 s, seed 1, towards 210 degrees, where the table has this sea state towards 270 degrees only. "
         "Which modes are kept, by shape, is in the study of the [eigenfrequencies](eigen.md).\n\n![errors "
         f"of the frequencies]({NAME}-frequencies.png)",
         "## Energy\n\nRelative errors of the potential energy in percent, median / largest of the runs.\n\n"

@@ -20,8 +20,8 @@ NAME = "sensitivity"
 _TITLE = "Damping and frequency model: thesis chapter 5.3, figures 5.5 to 5.7"
 _HEAD = """\
 The runs of the [wave comparison](wave-comparison.md) on three structures: the reference (`oc4-thesis`), the
-frequency model (stiffness of the jacket times 0.37, first mode at 0.28 Hz) and the damping model (a dashpot at
-the tower top that gives the first two modes 30 % logarithmic decrement, as table B.3 has it). Second order
+frequency model (stiffness of the jacket times 0.37, first mode at 0.28 Hz) and the damping model (a dashpot
+at the tower top that gives the first two modes 30 % logarithmic decrement, as table B.3 has it). Second order
 with Taylor expansion, linear with constant extrapolation, cut-off 4 omega_p; 600 s; total stress as
 there. Averages are over the members, each counted once."""
 
@@ -198,8 +198,8 @@ def _reading(found: Sensitivity) -> str:
         f"of the reference all stresses would come out 1/{JACKET_FACTOR:g} = {1.0 / JACKET_FACTOR:.2f} times "
         "as large, even where the members carry the same forces; our averages would then be, in multiples of "
         f"the reference and by weights of the sea states: {times}. The thesis does not say which stiffness "
-        "it took; four times would be near its *increased with about 400 %*. That it did so is a guess, and no "
-        "result of this code."
+        "it took; four times would be near its *increased with about 400 %*. That it did so is a guess, and "
+        "no result of this code."
     )
 
 

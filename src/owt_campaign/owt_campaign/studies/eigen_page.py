@@ -59,8 +59,8 @@ _B3 = """\
 
 Damped frequencies, of Rayleigh damping with alpha 0.027 1/s and beta 0.0020 s (frequency model: 0.021 and
 0.0024, stiffness of the jacket times 0.37). The thesis prints none of these four; they were fitted to this
-table. Nor does it say how its damping model is damped; its print follows a dashpot of 6.1e4 N s/m, fitted too,
-between tower top and ground, in x and y. Thirty percent given to the first two modes
+table. Nor does it say how its damping model is damped; its print follows a dashpot of 6.1e4 N s/m, fitted
+too, between tower top and ground, in x and y. Thirty percent given to the first two modes
 alone (damping-modal, beside the same print) is the other reading.
 
 {differences}"""

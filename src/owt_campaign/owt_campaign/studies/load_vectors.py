@@ -191,11 +191,18 @@ def needs(
 
 
 def borrowed(
-    waves: Sequence[str], heights: Sequence[float], progress: Progress
+    waves: Sequence[tuple[str, float]], progress: Progress
 ) -> dict[tuple[str, float], dict[int, float]]:
     """Error of the energy of a wave with the vectors of the irregular sea of its height, by their number.
 
     Of CB10Mnn, the larger one of mean and standard deviation; the sea has seed 1.
+
+    Parameters
+    ----------
+    waves : sequence of tuples
+        Kind and height in m of each wave.
+    progress : callable
+        Called with the waves done and those in all.
 
     Raises
     ------
@@ -204,10 +211,10 @@ def borrowed(
     """
     structure, store = _Structure(), Store()
     found = {}
-    for done, (height, wave) in enumerate(product(heights, waves)):
+    for done, (wave, height) in enumerate(waves):
         case, sea = wave_case(wave, height), wave_case("irregular", height)
-        key = ["borrowed load vectors", structure.mesh.structure.content_hash, COUNTS]
-        key += [case.model_dump(mode="json"), sea.model_dump(mode="json")]
+        cases = [one.model_dump(mode="json") for one in (case, sea)]
+        key = ["borrowed load vectors", structure.mesh.structure.content_hash, cases, COUNTS]
         kept = store.run(
             key,
             lambda case=case, sea=sea: structure.with_vectors_of(  # type: ignore[misc]
@@ -215,7 +222,7 @@ def borrowed(
             ),
         )
         found[wave, height] = _errors(kept, BASES[0])
-        progress(done + 1, len(waves) * len(heights))
+        progress(done + 1, len(waves))
     return found
 
 
@@ -258,11 +265,12 @@ def _moments(model: EnergyModel, nodal: Float[np.ndarray, "time load"]) -> Float
 
 
 def run(*, full: bool, progress: Progress) -> StudyResult:
-    """The study: seven heights, three kinds of wave; reduced: two heights of the stream function."""
+    """The study: seven heights, four kinds of wave; reduced: two heights of the stream function."""
     from owt_campaign.studies.load_vectors_page import load_vectors_result
 
     ends = (HEIGHTS[0], HEIGHTS[-1])
     waves, heights = (WAVES, HEIGHTS) if full else (WAVES[:1], ends)
     found = needs(waves, heights, SEEDS, progress)
-    others = borrowed([wave for wave in waves if wave != "irregular"], ends, progress)
+    kinds = [wave for wave in ("stream function", "NewWave") if wave in waves]
+    others = borrowed(list(product(kinds, ends)), progress)
     return load_vectors_result(found, others, full=full)

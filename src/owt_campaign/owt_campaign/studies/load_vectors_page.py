@@ -19,6 +19,8 @@ Needs = dict[tuple[str, float, int], Need]
 #: Errors of a wave with the vectors of the irregular sea, by their number.
 Borrowed = dict[tuple[str, float], dict[int, float]]
 
+_TRIED = f"{', '.join(str(count) for count in COUNTS[:-1])} and {COUNTS[-1]}"
+
 _HEAD = f"""\
 Written by `./owt study load-vectors --full -o docs/study`; model `oc4-thesis`, waves towards 210 degrees.
 
@@ -26,9 +28,9 @@ Thesis 7.3.2 expects of regular and extreme waves that the trend of figure 6.5 g
 height, the more MTAs are required". Of each wave the nodal loads are decomposed; counted are the vectors that
 carry 99 and 99.9 % of their variance, and the vectors with which mean and standard deviation of the potential
 energy come within 1e-3 and 1e-4 of the unreduced model's, beside ten fixed-interface modes (CB10Mnn) or
-without (Mnn). Tried are {", ".join(str(count) for count in COUNTS[:-1])} and {COUNTS[-1]} vectors; a wave needs the
-smallest of these counts that meets the tolerance and whose larger ones meet it too ("more than {COUNTS[-1]}" where
-not even the last does).
+without (Mnn). Tried are {_TRIED} vectors; a wave needs the smallest
+of these counts that meets the tolerance and whose larger ones meet it too (">{COUNTS[-1]}" where not even the last
+does).
 
 - *stream function*: regular wave of height H and the shortest period that goes with it, T = 11.1 sqrt(H/g)
   (IEC 61400-3-1), ten periods; loads exact up to the surface.
@@ -38,8 +40,8 @@ not even the last does).
 - *irregular*: second-order sea of 300 s, Tp = T, of which H is the highest wave of about a thousand
   (Hs = H/1.86), Taylor expansion, cut-off 4 omega_p; three seeds, mean and range.
 
-A row is *reproduced* if the highest wave needs at least 1.2 times as many vectors as the lowest, *partly* if it
-needs more at all, else *not*; more than {COUNTS[-1]} count as {COUNTS[-1] + 1}."""
+A row is *reproduced* if the highest wave needs more than 1.2 times as many vectors as the lowest, *partly* if
+it needs more at all, else *not*; more than {COUNTS[-1]} count as {COUNTS[-1] + 1}."""
 
 _FIGURE = """\
 ![Vectors needed by wave height](load-vectors-need.png)"""
@@ -47,9 +49,9 @@ _FIGURE = """\
 _BORROWED = f"""\
 ## Vectors of the irregular sea for the other waves
 
-CB10Mnn with the vectors of the irregular sea of the same H (seed 1): how many a wave needs for {TOLERANCES[-1]:g}, of
-its own and of the sea, and the larger error of mean and standard deviation of the potential energy with its own
-vectors / with those of the sea."""
+CB10Mnn with the vectors of the irregular sea of the same H and T (seed 1): how many a wave needs for
+{TOLERANCES[-1]:g}, of its own and of the sea, and the larger error of mean and standard deviation of the potential
+energy with its own vectors / with those of the sea."""
 
 
 def load_vectors_result(found: Needs, others: Borrowed, *, full: bool) -> StudyResult:
@@ -171,8 +173,9 @@ def _serves(others: Borrowed) -> int:
 
 
 def _borrowed_row(others: Borrowed) -> Row:
+    heights = " and ".join(f"{h:g}" for h in dict.fromkeys(h for _, h in others))
     return Row(
-        f"waves of H {' and '.join(f'{h:g}' for h in dict.fromkeys(h for _, h in others))} m whose energy comes "
+        f"regular waves and groups of H {heights} m whose energy comes "
         f"within {TOLERANCES[-1]:g} with vectors of the irregular sea, CB10Mnn",
         "7.3.2",
         None,
@@ -227,8 +230,8 @@ def _borrowed_words(others: Borrowed) -> str:
     serves, last = _serves(others), COUNTS[-1]
     worst = max(error[last] for error in others.values())
     return (
-        f"Vectors of the irregular sea of the same height serve {serves} of {len(others)} of the other waves tried "
-        f"to {TOLERANCES[-1]:g}; with {last} of them the energy is off by up to {worst:.1e}: "
+        f"Vectors of the irregular sea of the same height serve {serves} of {len(others)} regular waves and "
+        f"groups to {TOLERANCES[-1]:g}; with {last} of them the energy is off by up to {worst:.1e}: "
         + ("they do for those too." if serves == len(others) else "for that tolerance a wave needs its own.")
     )
 

@@ -29,8 +29,8 @@ height, the more MTAs are required". Of each wave the nodal loads are decomposed
 carry 99 and 99.9 % of their variance, and the vectors with which mean and standard deviation of the potential
 energy come within 1e-3 and 1e-4 of the unreduced model's, beside ten fixed-interface modes (CB10Mnn) or
 without (Mnn). Tried are {_TRIED} vectors; a wave needs the smallest
-of these counts that meets the tolerance and whose larger ones meet it too (">{COUNTS[-1]}" where not even the last
-does).
+of these counts that meets the tolerance and whose larger ones meet it too (">{COUNTS[-1]}" where not even the
+last does).
 
 - *stream function*: regular wave of height H and the shortest period that goes with it, T = 11.1 sqrt(H/g)
   (IEC 61400-3-1), ten periods; loads exact up to the surface.
@@ -50,8 +50,8 @@ _BORROWED = f"""\
 ## Vectors of the irregular sea for the other waves
 
 CB10Mnn with the vectors of the irregular sea of the same H and T (seed 1): how many a wave needs for
-{TOLERANCES[-1]:g}, of its own and of the sea, and the larger error of mean and standard deviation of the potential
-energy with its own vectors / with those of the sea."""
+{TOLERANCES[-1]:g}, of its own and of the sea, and the larger error of mean and standard deviation of the
+potential energy with its own vectors / with those of the sea."""
 
 
 def load_vectors_result(found: Needs, others: Borrowed, *, full: bool) -> StudyResult:
@@ -232,7 +232,11 @@ def _borrowed_words(others: Borrowed) -> str:
     return (
         f"Vectors of the irregular sea of the same height serve {serves} of {len(others)} regular waves and "
         f"groups to {TOLERANCES[-1]:g}; with {last} of them the energy is off by up to {worst:.1e}: "
-        + ("they do for those too." if serves == len(others) else "for that tolerance a wave needs its own.")
+        + (
+            "they do for those too."
+            if serves == len(others)
+            else "they do not replace a wave's own at that tolerance."
+        )
     )
 
 

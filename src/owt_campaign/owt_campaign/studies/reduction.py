@@ -83,7 +83,7 @@ class ReductionStudy:
         return min(values), max(values)
 
     def reach_hz(self, model: str) -> tuple[float, float]:
-        """Frequencies in Hz of the first mode that errs by more than :data:`LIMIT`, after that of the mode before.
+        """Frequencies in Hz of the mode before the first that errs by more than :data:`LIMIT`, and of that.
 
         Both are those of the unreduced turbine; infinity where no mode errs so much.
         """

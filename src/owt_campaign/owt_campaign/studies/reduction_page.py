@@ -30,8 +30,8 @@ A frequency up to which a model is accurate is *reproduced* if the print lies be
 1 %, which is named, and its first beyond, *partly* within a quarter of the print. A largest error is
 *reproduced* up to the print, to its digits, *partly* up to twice as much; *relatively large* means ten times
 the largest error of CB10M10 and M20. An order holds in the medians, *better* in more than half of the runs of
-every strategy. Numbers of models are *reproduced* if equal, else *partly*. The time is of another program and
-another number of degrees of freedom, and differs from run to run: *partly* at best, within a factor of two."""
+every strategy. Numbers of models are *reproduced* if equal, else *partly*. The time is of another program, of
+another number of degrees of freedom, and differs from run to run: *partly* at best, within a factor of 2."""
 #: What the thesis says of figure 6.1: frequencies in Hz up to which the models are accurate.
 PRINTED_REACH = {"CB00": 2.5, "M20": 2.5, "CB10M10": 6.0, "CB20": 8.0}
 
@@ -238,8 +238,8 @@ def _verdict(study: ReductionStudy, rows: list[Row]) -> Verdict:
     why = (
         f"Largest error of the models with load vectors of their own sea {own:.2g} % (print 0.08 %), of the "
         f"clustered ones {clustered:.2g} % (print: below 1 %), and {plain:.2g} % of *tot* without "
-        f"normalisation, whose error of the mean with CB10M10 is {small:.1f} times that of *tot* in the third "
-        f"of the runs with the lowest Hs, {large:.2f} times in that with the highest. {_orders(rows)} "
+        f"normalisation, whose error of the mean with CB10M10 is {small:.1f} times that of *tot* in the "
+        f"third of the runs with the lowest Hs, {large:.2f} times in that with the highest. {_orders(rows)} "
         f"{_reaches(study)} Strictly, table B.1 itself has an error above 1 % at its mode 16 of CB10M10, so "
         "that 1 % reaches to 4.74 Hz there, not to 6. 489 is not 169 times 3. "
         f"{len(study.errors[1])} sea states of {directions} directions ran with seed 1."

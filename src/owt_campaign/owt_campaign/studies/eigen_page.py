@@ -29,9 +29,9 @@ lie up to 5.5 % from it. The pair 18, 19 and heave (16) stay 2.9 % and 1.8 % low
 _B1 = """\
 ## Table B.1: the whole turbine
 
-Load vectors of M20 and CB10M10: second-order loads (Taylor expansion, cut-off 4 omega_p, 600 s) of Hs 8.25 m,
-Tp 11.5 s towards 210 degrees, seed 1; the thesis does not name the sea of this table, and the modes that such
-vectors make follow the loads. Modes of CB00 above 10 Hz are artefacts of the basis.
+Load vectors of M20 and CB10M10: second-order loads alone (Taylor expansion, cut-off 4 omega_p, 600 s) of Hs
+8.25 m, Tp 11.5 s towards 210 degrees, seed 1; the thesis does not name the sea of this table, and the modes
+that such vectors make follow the loads. Modes of CB00 above 10 Hz are artefacts of the basis.
 
 {differences}"""
 

@@ -40,6 +40,8 @@ last does).
 - *irregular*: second-order sea of 300 s, Tp = T, of which H is the highest wave of about a thousand
   (Hs = H/1.86), Taylor expansion, cut-off 4 omega_p; three seeds, mean and range.
 
+No linear waves are run.
+
 A row is *reproduced* if the highest wave needs more than 1.2 times as many vectors as the lowest, *partly* if
 it needs more at all, else *not*; more than {COUNTS[-1]} count as {COUNTS[-1] + 1}."""
 

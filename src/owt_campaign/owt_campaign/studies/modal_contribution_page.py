@@ -21,8 +21,8 @@ _TITLE = "Energy per mode: thesis chapter 6.3, figures 6.4 and 6.5"
 _HEAD = """\
 Mean potential energy of each fixed-interface mode and each augmentation vector of CB10M10 (eq. 6.1 with
 the 1/2 that it lacks, which shares do not see), over the sum of the twenty; `oc4-thesis`, second-order
-waves (Taylor expansion, cut-off 4 omega_p), 600 s. The print gives no direction; all three sea states are
-those of direction 270 degrees in table 4.5. Load vectors are those of each record. Augmentation vectors
+waves only (Taylor expansion, cut-off 4 omega_p), 600 s. The print gives no direction; all three sea states
+are those of direction 270 degrees in table 4.5. Load vectors are those of each record. Augmentation vectors
 stand by rising pseudo-frequency (eq. 3.42)."""
 _RULES = """\
 *Almost all energy* is more than 0.8 of the twenty (*partly* more than 0.4), and more than 0.9 of the loads.

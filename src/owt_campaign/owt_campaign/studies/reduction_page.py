@@ -20,9 +20,9 @@ _TITLE = "Reduced models: thesis chapter 6.2, figures 6.1 to 6.3, tables 6.1 and
 _HEAD = """\
 Relative errors of mean and standard deviation of the potential energy against the unreduced model
 `oc4-thesis`, mode by mode, in sea states of the load-case table: second-order waves (Taylor expansion,
-cut-off 4 omega_p), 600 s, loads every 0.1 s, exact integration of loads linear in between, the same for
-all models. Load vectors: proper orthogonal decomposition of each sea state's own loads (*spec*), or of
-those of a direction (*dir*), of a 1 m bin of Hs (*hs*) or of the whole table (*tot*), each sea state's
+cut-off 4 omega_p; no linear ones), 600 s, loads every 0.1 s, exact integration of loads linear in between,
+the same for all models. Load vectors: proper orthogonal decomposition of each sea state's own loads (*spec*),
+or of those of a direction (*dir*), of a 1 m bin of Hs (*hs*) or of the whole table (*tot*), each sea state's
 loads divided by their Frobenius norm first. Clusters are made of the records of seed 1; they have not
 seen the other seeds."""
 _RULES = """\

@@ -36,6 +36,9 @@ _RULES = f"""\
 The kinetic energy counts as reproduced too where the print lies within the seeds; times of another program on
 another machine are *partly* at best.
 
+Cycles hold if the difference is larger in the small ranges, and an increase; spectra if the share round modes
+1 and 2 is above 20 % (and above 0.5 % round 3 and 4), from 0.5 to 30 %, and below 3 %, by rising Tp.
+
 The model has pieces of 0.5 to 1 m at the foot of every leg; the row of the second heaviest member counts
 with them and without, and calls pieces alike that differ by less than 1 %.
 Members through still water are the 12 whose ends lie on both sides of it, z from -8.9 to 4.4 m."""

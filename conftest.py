@@ -1,7 +1,7 @@
 """Checks array shapes and types at run time in the model package and in every core, in tests only.
 
-Tests that start ROS nodes run one after the other, whatever the number of processes: they watch the time. Those of
-a file share its fixtures, so they stay together.
+Tests that start ROS nodes run one after the other, whatever the number of processes: they watch the time.
+Those of a file share its fixtures, so they stay together.
 """
 
 import pytest

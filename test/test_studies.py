@@ -54,8 +54,13 @@ def test_a_study_writes_page_figures_json_and_index(study, tmp_path: Path, capsy
     assert found["revision"]
     page = (tmp_path / "eigen.md").read_text()
     assert page == capsys.readouterr().out
+    assert page == result().signed_page(found["revision"])
+    assert page.startswith(result().page)
     assert "| ratio | table 9.9 | 1.06 | 1.05 | 1.04 to 1.06 | reproduced |" in page
-    assert page.endswith("**Partly reproduced.** Some of it.\n")
+    assert page.endswith(
+        "**Partly reproduced.** Some of it.\n\n"
+        f"*Structure: model `oc4-thesis`; revision {found['revision']}.*\n"
+    )
     assert "[eigen](eigen.md)" in (tmp_path / "README.md").read_text()
 
 
@@ -94,6 +99,7 @@ def test_committed_study_is_whole(name: str) -> None:
     assert found["revision"]
     assert found["rows"]
     assert found["verdict"]["why"] in page
+    assert page.endswith(f"*Structure: {found['structure']}; revision {found['revision']}.*\n")
     shown = set(re.findall(r"\]\(([\w.-]+\.png)\)", page))
     there = {path.name for path in STUDY.glob(f"{name}-*.png") if not _of_another(name, path.name)}
     assert shown == there

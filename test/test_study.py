@@ -10,7 +10,7 @@ import pytest
 
 from owt_bringup.cli import main
 from owt_campaign.studies.eigen import EigenStudy, eigen_study, quarter_turn_classes, thesis_tables
-from owt_campaign.studies.eigen_page import eigen_page
+from owt_campaign.studies.eigen_page import eigen_page, eigen_result
 from owt_model.errors import InputError
 from owt_model.sensitivity import sensitivity_model
 
@@ -75,8 +75,10 @@ def test_table_b3(study: EigenStudy) -> None:
 
 
 def test_committed_page_is_that_of_the_code(study: EigenStudy) -> None:
-    """Words exactly, numbers to their printed digits but the last."""
-    found, committed = (text.split() for text in (eigen_page(study, thesis_tables()), PAGE.read_text()))
+    """Words exactly, numbers to their printed digits but the last; signed with the revision of the JSON."""
+    revision = json.loads(PAGE.with_suffix(".json").read_text())["revision"]
+    signed = eigen_result(study, thesis_tables()).signed_page(revision)
+    found, committed = (text.split() for text in (signed, PAGE.read_text()))
     assert len(found) == len(committed), "run ./owt study eigen -o docs/study"
     for one, other in zip(found, committed, strict=True):
         if one == other:
@@ -100,7 +102,9 @@ def test_command_prints_the_layout_of_the_print(
     for name, columns in printed["table_B3"].items():
         assert {key: len(shown["table_B3"][name][key]) for key in columns} == dict.fromkeys(columns, 20)
     assert len(shown["table_B2"]) == len(printed["table_B2"])
-    assert (tmp_path / "eigen.md").read_text() == eigen_page(study, printed)
+    signed = eigen_result(study, printed).signed_page(shown["revision"])
+    assert (tmp_path / "eigen.md").read_text() == signed
+    assert signed.startswith(eigen_page(study, printed))
     with pytest.raises(SystemExit):
         main(["study", "no-such-study"])
 

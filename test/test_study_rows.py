@@ -124,6 +124,22 @@ def test_load_vectors() -> None:
     assert found.first == pytest.approx(kept["first_share"], rel=1e-3)
 
 
+def test_vectors_of_the_sea_on_a_regular_wave() -> None:
+    wave = ("stream function", 17.0)
+    found = load_vectors.borrowed([wave], silent)[wave]
+    kept = next(n for n in committed("load-vectors")["borrowed"] if (n["wave"], n["height_m"]) == wave)
+    for count, error in kept["error"].items():
+        assert found[int(count)] == pytest.approx(error, rel=5e-2)
+    assert found[30] > 1e-4 > load_vectors.needs(wave[:1], wave[1:], (1,), silent)[(*wave, 1)].error[6]
+
+
+def test_enough_vectors_are_those_whose_larger_counts_do_too() -> None:
+    error = {0: 9.0, 5: 0.9, 10: 1.1, 20: 0.8, 30: 0.5}
+    assert load_vectors.enough(error, 1.0) == 20  # not 5, whose next does not
+    assert load_vectors.enough(error, 2.0) == 5
+    assert load_vectors.enough(error | {30: 1.2}, 1.0) is None
+
+
 @pytest.mark.parametrize("name", ["usfos", "interpolation", "load-case-table", "wind", "load-vectors"])
 def test_reduced_version_runs_to_its_verdict(name: str) -> None:
     """What `./owt study NAME` shows without --full, its figures drawn."""

@@ -18,6 +18,23 @@ HELP = "tables and figures of the thesis, beside the print"
 #: First line of the index of a folder of studies: only a file that begins with it is written over.
 INDEX_TITLE = "# Studies: the thesis' tables and figures, beside the print"
 
+#: What all pages have in common, and where they do not.
+_INDEX_HEAD = """\
+Written by `./owt study NAME --full -o docs/study`. Each page holds tables and figures beside the printed
+values and ends with a verdict, the structure and the revision of the code; its JSON file holds print, result,
+spread over the seeds, verdict and revision.
+
+Numbers that hang on random phases are means over at least three seeds, with their range. Of one seed (1)
+are: the load vectors of table B.1 and of figures B.4 and 6.1, figure 5.3, the curves over time in figures 5.4
+and 5.7, the points of figures 6.2 and 6.3 (tables and rows beside them have three), the wind series of
+figures 6.6 and 6.7, `cells` in wave-comparison.json and `cell_damage` in beyond.json. Regular waves and
+NewWave groups (usfos, load-vectors) have no random phases.
+
+What the thesis does not publish was chosen so that its tables B.1 to B.3 come out: tower and rotor-nacelle,
+the masses of growth and water at the jacket's joints, alpha and beta of the Rayleigh damping, a second pair
+of them for the frequency model, and the dashpot of the damping model (all on the page eigen). No other
+number is tuned to a printed one."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
@@ -57,14 +74,15 @@ def run(options: argparse.Namespace) -> int:
     finally:
         bar.close()
     made_by = versions()
-    found = result.as_json(made_by.get("revision", made_by["owt"]))
+    revision = made_by.get("revision", made_by["owt"])
+    found, signed = result.as_json(revision), result.signed_page(revision)
     if folder is not None:
-        write_study(folder, result, found)
-    print(json.dumps(found, allow_nan=False) if options.json else result.page.rstrip())
+        write_study(folder, result, found, signed)
+    print(json.dumps(found, allow_nan=False) if options.json else signed.rstrip())
     return 0
 
 
-def write_study(folder: Path, result: StudyResult, found: dict[str, object]) -> None:
+def write_study(folder: Path, result: StudyResult, found: dict[str, object], page: str) -> None:
     """Write page, figures and JSON of a study, and the index of the folder.
 
     Raises
@@ -80,7 +98,7 @@ def write_study(folder: Path, result: StudyResult, found: dict[str, object]) -> 
         with atomic_path(folder / result.picture(key)) as partial:
             save(draw(), partial)
     with atomic_path(folder / f"{result.name}.md") as partial:
-        partial.write_text(result.page, encoding="utf-8")
+        partial.write_text(page, encoding="utf-8")
     write_json(folder / f"{result.name}.json", found)
     write_index(folder)
 
@@ -117,10 +135,4 @@ def index_page(folder: Path) -> str:
         )
         reduced = "" if found["full"] else " (reduced version)"
         rows.append([f"[{name}]({name}.md)", study.help, f"**{outcome}**{reduced}: {verdict['why']}"])
-    head = (
-        "Written by `./owt study NAME --full -o docs/study`. Each page holds tables and figures beside the "
-        "printed values and ends with a verdict; its JSON file holds print, result, spread over the seeds, "
-        "verdict and the revision of the code. What is random has at least three seeds. Nothing is tuned to "
-        "a printed number, but for the unpublished tower and rotor-nacelle (see eigen)."
-    )
-    return f"{INDEX_TITLE}\n\n{head}\n\n{table(['study', 'what', 'verdict'], rows)}\n"
+    return f"{INDEX_TITLE}\n\n{_INDEX_HEAD}\n\n{table(['study', 'what', 'verdict'], rows)}\n"

@@ -25,13 +25,21 @@ from owt_structure_node.core.eigen import eigen_report
 from owt_structure_node.core.modes import dense_modes, hertz, lowest_modes
 from owt_structure_node.core.reduction import reduce
 
-__all__ = ["MODEL", "REDUCTIONS", "EigenStudy", "eigen_study", "quarter_turn_classes", "thesis_tables"]
+__all__ = [
+    "MODEL",
+    "PRINTED_CLASSES",
+    "REDUCTIONS",
+    "EigenStudy",
+    "eigen_study",
+    "quarter_turn_classes",
+    "thesis_tables",
+]
 
 MODEL = "oc4-thesis"
 #: Reductions of table B.1, and how many modes it lists.
 REDUCTIONS, COUNT = ("CB00", "CB20", "M20", "CB10M10"), 20
-#: Modes of table B.2.
-FIXED_COUNT = 10
+#: Modes of table B.2, and the classes that match the print's frequencies best.
+FIXED_COUNT, PRINTED_CLASSES = 10, "EEBABEEABA"
 #: Modes of the unreduced model among which those of the reduced ones are looked for.
 SEARCHED = 60
 #: Share of a mode's motion that a quarter turn must keep, or reverse.

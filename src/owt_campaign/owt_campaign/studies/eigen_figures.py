@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from owt_campaign.standard_load import standard_load_basis
+from owt_campaign.standard_load import SHAPES_DEG, standard_load_basis
 from owt_campaign.studies.eigen import MODEL
 from owt_campaign.studies.shapes import bent_elements, seen
 from owt_model.mesh import Mesh, build_mesh
@@ -40,7 +40,8 @@ def eigen_shapes() -> tuple[Mesh, dict[str, Shapes]]:
     structure = load_structure(MODEL)
     assembly = assemble(build_mesh(structure))
     omega2, modes = lowest_modes(assembly.stiffness, assembly.mass, 10)
-    reduced = reduce(assembly, "CB10M10", standard_load_basis(structure, 10))
+    loads = standard_load_basis(structure, 10, direction_deg=SHAPES_DEG)
+    reduced = reduce(assembly, "CB10M10", loads)
 
     def motion(shapes: Float[np.ndarray, "dof shape"]) -> Float[np.ndarray, "node 6 shape"]:
         return np.asarray(assembly.expansion @ shapes).reshape(assembly.mesh.n_nodes, 6, -1)

@@ -28,7 +28,19 @@ from owt_model.structure import load_structure
 from owt_structure_node.core.response import StructureParts, build_modal_model, structure_parts
 from owt_wave_node.core.stage import WaveStage
 
-__all__ = ["BASES", "COUNTS", "HEIGHTS", "WAVES", "Need", "needs", "period", "run", "wave_case"]
+__all__ = [
+    "BASES",
+    "COUNTS",
+    "HEIGHTS",
+    "WAVES",
+    "Need",
+    "borrowed",
+    "enough",
+    "needs",
+    "period",
+    "run",
+    "wave_case",
+]
 
 HEIGHTS = (2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 17.0)
 #: Of these the irregular seas are run too, for comparison.
@@ -53,14 +65,21 @@ class Need:
 
     Attributes
     ----------
-        by_share : dict of int Vectors that carry each of :data:`SHARES` of the variance of the loads.
-        by_energy : dict of int or None Vectors with which each of :data:`BASES` comes within each of
-        :data:`TOLERANCES`; None where none does. first : float Share of the first vector.
+    by_share : dict of int
+        Vectors that carry each of :data:`SHARES` of the variance of the loads.
+    by_energy : dict of int or None
+        Vectors with which, and with all larger counts tried, each of :data:`BASES` comes within each of
+        :data:`TOLERANCES`; None where not even the largest does.
+    first : float
+        Share of the first vector.
+    error : dict of float
+        Larger error of mean and standard deviation of the energy with CB10Mnn, by number of vectors.
     """
 
     by_share: dict[float, int]
     by_energy: dict[tuple[str, float], int | None]
     first: float
+    error: dict[int, float]
 
 
 def period(height: float) -> float:
@@ -107,8 +126,7 @@ class _Structure:
 
     def moments(self, wave: WaveStage) -> dict[str, np.ndarray]:
         """Shares of the vectors, and mean and standard deviation of the energy by reduction."""
-        nodal = wave.history().nodal.transpose(2, 0, 1)
-        nodal = np.ascontiguousarray(nodal).reshape(len(nodal), -1)
+        nodal = _loads(wave)
         basis = wave.load_basis(COUNTS[-1])
         share = basis.singular_values**2 / basis.total_variance
         found = {"share": share, "full": _moments(self.energies(self.full, wave), nodal)}
@@ -116,11 +134,29 @@ class _Structure:
             for count in COUNTS:
                 if kind == "M" and not count:
                     continue
-                name = f"CB10M{count:02d}" if kind == "CB10M" else f"M{count:02d}"
-                name = name.replace("M00", "")
-                model = build_modal_model(self.mesh, name, basis, parts=self.parts)
+                model = build_modal_model(self.mesh, _name(kind, count), basis, parts=self.parts)
                 found[f"{kind} {count}"] = _moments(self.energies(model, wave), nodal)
         return found
+
+    def with_vectors_of(self, sea: WaveStage, wave: WaveStage) -> dict[str, np.ndarray]:
+        """Mean and standard deviation of a wave's energy with CB10Mnn made of the loads of another one."""
+        nodal = _loads(wave)
+        basis = sea.load_basis(COUNTS[-1])
+        found = {"full": _moments(self.energies(self.full, wave), nodal)}
+        for count in COUNTS:
+            model = build_modal_model(self.mesh, _name(BASES[0], count), basis, parts=self.parts)
+            found[f"{BASES[0]} {count}"] = _moments(self.energies(model, wave), nodal)
+        return found
+
+
+def _name(kind: str, count: int) -> str:
+    """Name of a reduction."""
+    return f"{kind}{count:02d}".replace("M00", "")
+
+
+def _loads(wave: WaveStage) -> Float[np.ndarray, "time load"]:
+    nodal = wave.history().nodal.transpose(2, 0, 1)
+    return np.ascontiguousarray(nodal).reshape(len(nodal), -1)
 
 
 def needs(
@@ -154,19 +190,73 @@ def needs(
     return found
 
 
+def borrowed(
+    waves: Sequence[tuple[str, float]], progress: Progress
+) -> dict[tuple[str, float], dict[int, float]]:
+    """Error of the energy of a wave with the vectors of the irregular sea of its height, by their number.
+
+    Of CB10Mnn, the larger one of mean and standard deviation; the sea has seed 1.
+
+    Parameters
+    ----------
+    waves : sequence of tuples
+        Kind and height in m of each wave.
+    progress : callable
+        Called with the waves done and those in all.
+
+    Raises
+    ------
+    InputError, ComputationError
+        If a wave is refused or its loads cannot be computed.
+    """
+    structure, store = _Structure(), Store()
+    found = {}
+    for done, (wave, height) in enumerate(waves):
+        case, sea = wave_case(wave, height), wave_case("irregular", height)
+        cases = [one.model_dump(mode="json") for one in (case, sea)]
+        key = ["borrowed load vectors", structure.mesh.structure.content_hash, cases, COUNTS]
+        kept = store.run(
+            key,
+            lambda case=case, sea=sea: structure.with_vectors_of(  # type: ignore[misc]
+                WaveStage(sea, structure.mesh), WaveStage(case, structure.mesh)
+            ),
+        )
+        found[wave, height] = _errors(kept, BASES[0])
+        progress(done + 1, len(waves))
+    return found
+
+
+def _errors(found: dict[str, np.ndarray], kind: str) -> dict[int, float]:
+    """Larger error of mean and standard deviation by number of vectors."""
+    return {
+        count: float(np.abs(found[f"{kind} {count}"] / found["full"] - 1.0).max())
+        for count in COUNTS
+        if f"{kind} {count}" in found
+    }
+
+
+def enough(error: dict[int, float], tolerance: float) -> int | None:
+    """Smallest count from which on an error stays within a tolerance; None where the last one is not."""
+    needed = None
+    for count in sorted(error, reverse=True):
+        if error[count] >= tolerance:
+            break
+        needed = count
+    return needed
+
+
 def _need(found: dict[str, np.ndarray]) -> Need:
     carried = np.cumsum(found["share"])
-    by_energy: dict[tuple[str, float], int | None] = {}
-    for kind, tolerance in product(BASES, TOLERANCES):
-        right = [
-            count
-            for count in COUNTS
-            if f"{kind} {count}" in found
-            and (np.abs(found[f"{kind} {count}"] / found["full"] - 1.0) < tolerance).all()
-        ]
-        by_energy[kind, tolerance] = min(right) if right else None
-    by_share = {share: int(np.searchsorted(carried, share)) + 1 for share in SHARES}
-    return Need(by_share, by_energy, float(found["share"][0]))
+    error = {kind: _errors(found, kind) for kind in BASES}
+    return Need(
+        by_share={share: int(np.searchsorted(carried, share)) + 1 for share in SHARES},
+        by_energy={
+            (kind, tolerance): enough(error[kind], tolerance)
+            for kind, tolerance in product(BASES, TOLERANCES)
+        },
+        first=float(found["share"][0]),
+        error=error[BASES[0]],
+    )
 
 
 def _moments(model: EnergyModel, nodal: Float[np.ndarray, "time load"]) -> Float[np.ndarray, " 2"]:
@@ -175,9 +265,12 @@ def _moments(model: EnergyModel, nodal: Float[np.ndarray, "time load"]) -> Float
 
 
 def run(*, full: bool, progress: Progress) -> StudyResult:
-    """The study: seven heights, three kinds of wave; reduced: two heights of the stream function."""
+    """The study: seven heights, four kinds of wave; reduced: two heights of the stream function."""
     from owt_campaign.studies.load_vectors_page import load_vectors_result
 
-    if full:
-        return load_vectors_result(needs(WAVES, HEIGHTS, SEEDS, progress), full=True)
-    return load_vectors_result(needs(WAVES[:1], (2.5, 17.0), SEEDS, progress), full=False)
+    ends = (HEIGHTS[0], HEIGHTS[-1])
+    waves, heights = (WAVES, HEIGHTS) if full else (WAVES[:1], ends)
+    found = needs(waves, heights, SEEDS, progress)
+    kinds = [wave for wave in ("stream function", "NewWave") if wave in waves]
+    others = borrowed(list(product(kinds, ends)), progress)
+    return load_vectors_result(found, others, full=full)

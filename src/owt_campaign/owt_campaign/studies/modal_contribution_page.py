@@ -21,9 +21,14 @@ _TITLE = "Energy per mode: thesis chapter 6.3, figures 6.4 and 6.5"
 _HEAD = """\
 Mean potential energy of each fixed-interface mode and each augmentation vector of CB10M10 (eq. 6.1 with
 the 1/2 that it lacks, which shares do not see), over the sum of the twenty; `oc4-thesis`, second-order
-waves (Taylor expansion, cut-off 4 omega_p), 600 s. The print gives no direction; all three sea states are
-those of direction 270 degrees in table 4.5. Load vectors are those of each record. Augmentation vectors
+waves only (Taylor expansion, cut-off 4 omega_p), 600 s. The print gives no direction; all three sea states
+are those of direction 270 degrees in table 4.5. Load vectors are those of each record. Augmentation vectors
 stand by rising pseudo-frequency (eq. 3.42)."""
+_RULES = """\
+*Almost all energy* is more than 0.8 of the twenty (*partly* more than 0.4), and more than 0.9 of the loads.
+The fixed-interface modes capture more if their mean rises from sea state to sea state (*reproduced* if the
+seeds of low and high do not overlap, *partly* if they do), likewise the number of vectors, which is one over
+the sum of the squared shares. 0.87 is *reproduced* if it lies within the seeds, *partly* within a quarter."""
 
 Found = dict[str, list[ModalShares]]
 
@@ -110,7 +115,8 @@ def _vector_rows(found: Found) -> list[Row]:
     low, low_spread = _of(found, "low", _pov(READINGS[0]))
     return [
         Row("variance of the loads in the first load vector, high", "6.3, figure 6.5", 0.87, high, "", spread,
-            "reproduced" if spread[0] <= 0.87 <= spread[1] else "not"),
+            "reproduced" if spread[0] <= 0.87 <= spread[1] else "partly" if abs(high / 0.87 - 1.0) < 0.25
+            else "not"),
         Row("the same, low", "6.3, figure 6.5", "almost all energy", low, "", low_spread,
             "reproduced" if low > 0.9 else "not"),
     ]  # fmt: skip
@@ -135,6 +141,7 @@ def _sections(found: Found, rows: list[Row]) -> list[str]:
         _HEAD,
         f"{seeds} seeds of each sea state.",
         "## Print and this code\n\n" + rows_table(rows),
+        _RULES,
         f"![energy per mode]({NAME}-modes.png)",
         f"Mean over the seeds. The twenty together hold of the potential energy of the turbine: {jacket}; "
         "the rest is in the static modes of the interface and in the tower.",
@@ -156,11 +163,17 @@ def _verdict(found: Found, rows: list[Row]) -> Verdict:
         f"to {most:.0%}) of the loads in the high sea state (print 87 %) and {low:.0%} in the low one "
         "(print: almost all), by none of the readings above: short waves do not act on all legs in phase, "
         "and a wave that passes the legs needs two patterns, its sine and its cosine, whatever its height. "
-        "So the shift of energy to the fixed-interface modes is reproduced, a low sea state that one load "
-        "vector carries is not."
+        f"So the shift of energy to the fixed-interface modes is {_said(rows, 'share of the fixed')}, a low "
+        f"sea state that one load vector carries is {_said(rows, 'the same, low')}."
     )
     missed = {row.verdict for row in rows} - {"reproduced", ""}
     return Verdict("partly" if missed else "reproduced", why)
+
+
+def _said(rows: list[Row], start: str) -> str:
+    """Verdict of the row whose name begins so, in words."""
+    found = next(row.verdict for row in rows if row.name.startswith(start))
+    return {"reproduced": "reproduced", "partly": "partly reproduced"}.get(found, "not")
 
 
 def _modes_figure(found: Found) -> Figure:
@@ -174,7 +187,7 @@ def _modes_figure(found: Found) -> Figure:
         panel.bar(
             np.arange(VECTORS + 1, 2 * VECTORS + 1), share[VECTORS:], color=ORANGE, label="augmentation"
         )
-        panel.set(title=f"{name}: Hs {cell.hs_m:g} m, Tp {cell.tp_s:g} s", xlabel="mode")
+        panel.set(title=f"{name} sea state\nHs {cell.hs_m:g} m, Tp {cell.tp_s:g} s", xlabel="mode")
     panels[0, 0].set(ylabel="share of the potential energy")
     panels[0, 2].legend()
     return figure

@@ -14,6 +14,7 @@ from owt_campaign.standard_load import standard_load_basis
 from owt_campaign.studies.cases import MODEL
 from owt_campaign.studies.reduction_runs import (
     CLUSTERS,
+    PLAIN,
     SPECIFIC,
     SeaErrors,
     cluster_of,
@@ -81,12 +82,26 @@ class ReductionStudy:
         values = [measure((seed,)) for seed in self.errors]
         return min(values), max(values)
 
-    def reach_hz(self, model: str) -> float:
-        """Highest frequency in Hz up to which a model's frequencies err by less than :data:`LIMIT`."""
+    def reach_hz(self, model: str) -> tuple[float, float]:
+        """Frequencies in Hz of the mode before the first that errs by more than :data:`LIMIT`, and of that.
+
+        Both are those of the unreduced turbine; infinity where no mode errs so much.
+        """
         full, own = self.frequency["full"], self.frequency[model]
         n = min(len(full), len(own))
         beyond = np.flatnonzero(np.abs(own[:n] / full[:n] - 1.0) > LIMIT)
-        return float(full[beyond[0] - 1] if len(beyond) else full[n - 1])
+        if not len(beyond):
+            return float(full[n - 1]), float("inf")
+        return float(full[beyond[0] - 1]), float(full[beyond[0]])
+
+    def without_norm(self, model: str, of: str = "mean") -> tuple[float, float]:
+        """Median error of *tot* of loads as they are, over that of *tot*: lowest and highest third of Hs."""
+        cells = [cell.hs_m for runs in self.errors.values() for cell in runs]
+        low, high = np.quantile(cells, (1.0 / 3.0, 2.0 / 3.0))
+        plain, norm = self.values(f"{model} {PLAIN}", of), self.values(f"{model} tot", of)
+        thirds = (np.array(cells) <= low, np.array(cells) >= high)
+        first, last = (float(np.median(plain[some]) / np.median(norm[some])) for some in thirds)
+        return first, last
 
 
 def reduction_study(*, full: bool, progress: Progress) -> ReductionStudy:

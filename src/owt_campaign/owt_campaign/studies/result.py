@@ -6,13 +6,28 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+from owt_campaign.studies.cases import MODEL
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Outcome", "Row", "StudyResult", "Verdict", "number", "rows_table", "table"]
+__all__ = [
+    "RULE",
+    "Outcome",
+    "Row",
+    "StudyResult",
+    "Verdict",
+    "agreement",
+    "number",
+    "rows_table",
+    "table",
+]
 
 Outcome = Literal["reproduced", "partly", "not"]
 _SENTENCE = {"reproduced": "Reproduced.", "partly": "Partly reproduced.", "not": "Not reproduced."}
+
+#: How numbers are judged where a page says nothing else.
+RULE = "Numbers are *reproduced* within a quarter of the print, *partly* within a factor of two, else *not*."
 
 
 @dataclass(frozen=True)
@@ -85,7 +100,10 @@ class StudyResult:
     figures : mapping
         Key of each figure -> what draws it; nothing is drawn before it is asked for.
     data : mapping
-        More for the JSON object, beside ``study``, ``full``, ``revision``, ``verdict`` and ``rows``.
+        More for the JSON object, beside ``study``, ``full``, ``revision``, ``structure``, ``verdict`` and
+        ``rows``.
+    structure : str
+        What it was computed on, in words: the thesis' turbine where nothing else is named.
     """
 
     name: str
@@ -96,6 +114,7 @@ class StudyResult:
     full: bool = True
     figures: Mapping[str, Callable[[], Figure]] = field(default_factory=dict)
     data: Mapping[str, Any] = field(default_factory=dict)
+    structure: str = f"model `{MODEL}`"
 
     def picture(self, key: str) -> str:
         """Name of the file of a figure."""
@@ -113,12 +132,17 @@ class StudyResult:
         verdict = f"## Verdict\n\n**{_SENTENCE[self.verdict.outcome]}** {self.verdict.why}"
         return "\n\n".join([*parts, *self.sections, verdict]) + "\n"
 
+    def signed_page(self, revision: str) -> str:
+        """The page, closed by a line with the structure and the revision of the code that made it."""
+        return f"{self.page}\n*Structure: {self.structure}; revision {revision}.*\n"
+
     def as_json(self, revision: str) -> dict[str, Any]:
         """Plain data, with the revision of the code that made it."""
         return {
             "study": self.name,
             "full": self.full,
             "revision": revision,
+            "structure": self.structure,
             "verdict": {"outcome": self.verdict.outcome, "why": self.verdict.why},
             "rows": [row.as_json() for row in self.rows],
             **self.data,
@@ -148,6 +172,16 @@ def number(value: float | str | None) -> str:
     if isinstance(value, str):
         return value
     return f"{value:.0f}" if abs(value) >= 1000.0 else f"{value:.3g}"
+
+
+def agreement(ours: float, low: float, high: float | None = None) -> Outcome:
+    """Verdict of a number beside a printed one, or a printed range: :data:`RULE` in words."""
+    high = low if high is None else high
+    sign = -1.0 if low < 0.0 else 1.0
+    ours, low, high = sign * ours, *sorted((sign * low, sign * high))
+    if 0.75 * low <= ours <= 1.25 * high:
+        return "reproduced"
+    return "partly" if 0.5 * low <= ours <= 2.0 * high else "not"
 
 
 def rows_table(rows: Sequence[Row]) -> str:

@@ -30,9 +30,10 @@ def stress_figure(found: Sensitivity) -> Figure:
             by_member(found.tables[name].total(SECOND_ORDER, weights="alike")) / top,
             colour,
         )
-        panel.set(title=f"{name} model", xlabel="total stress, over the largest of the reference")
+        panel.set(title=f"{name} model")
     for panel in panels[0, 1:]:
         panel.set(ylabel="")
+    figure.supxlabel("total stress, over the largest of the reference; legs filled, braces open", fontsize=9)
     return figure
 
 
@@ -42,9 +43,12 @@ def ratio_figure(found: Sensitivity) -> Figure:
     for panel, colour, name in zip(panels[0], COLOURS, STRUCTURES, strict=False):
         levels(panel, found.members, 100.0 * (found.tables[name].ratio(None, LINEAR, "alike") - 1.0), colour)
         panel.axvline(0.0, color=INK, lw=0.8)
-        panel.set(title=f"{name} model", xlabel="second order over linear [%]")
+        panel.set(title=f"{name} model")
     for panel in panels[0, 1:]:
         panel.set(ylabel="")
+    figure.supxlabel(
+        "increase of the total stress by the second order [%]; legs filled, braces open", fontsize=9
+    )
     return figure
 
 
@@ -58,7 +62,8 @@ def energy_figure(found: Sensitivity) -> Figure:
         for colour, wave in ((BLUE, LINEAR), (ORANGE, SECOND_ORDER)):
             series = found.trace[f"{name}, {wave}"][window] / top
             panel.plot(STEP_S * (window.start + np.arange(len(series))), series, color=colour, label=wave)
-        panel.set(title=f"{name} model", ylabel="kinetic energy")
-    panels[2, 0].set(xlabel="t [s]; energy over the largest linear one of the reference")
+        panel.set(title=f"{name} model")
+    panels[2, 0].set(xlabel="t [s]")
+    figure.supylabel("kinetic energy, over the largest linear one of the reference", fontsize=9)
     panels[0, 0].legend()
     return figure

@@ -9,22 +9,30 @@ import numpy as np
 
 from owt_campaign.studies.cases import LINEAR
 from owt_campaign.studies.registry import Progress
-from owt_campaign.studies.result import Outcome, Row, StudyResult, Verdict, rows_table, table
+from owt_campaign.studies.result import RULE, Outcome, Row, StudyResult, Verdict, agreement, rows_table, table
 from owt_campaign.studies.sea_table import WEIGHTS
 from owt_campaign.studies.sensitivity import STRUCTURES, Sensitivity, sensitivity_study
+from owt_model.sensitivity import SENSITIVITY_MODELS
 
 __all__ = ["NAME", "result", "run"]
 
 NAME = "sensitivity"
 _TITLE = "Damping and frequency model: thesis chapter 5.3, figures 5.5 to 5.7"
 _HEAD = """\
-The runs of the [wave comparison](wave-comparison.md) on three structures: the reference, the frequency
-model (stiffness of the jacket times 0.37, first mode at 0.28 Hz) and the damping model (a dashpot at the
-tower top that gives the first two modes 30 % logarithmic decrement, as table B.3 has it). Second order
+The runs of the [wave comparison](wave-comparison.md) on three structures: the reference (`oc4-thesis`), the
+frequency model (stiffness of the jacket times 0.37, first mode at 0.28 Hz) and the damping model (a dashpot
+at the tower top that gives the first two modes 30 % logarithmic decrement, as table B.3 has it). Second order
 with Taylor expansion, linear with constant extrapolation, cut-off 4 omega_p; 600 s; total stress as
 there. Averages are over the members, each counted once."""
 
+_RULES = f"""\
+{RULE}
+The factor on the kinetic energy of the reference beside the print, 2.73, has its row on the page of the wave
+comparison. Where the print says higher or lower, the row holds if the means do (*significantly higher*: every
+seed by half at least)."""
 
+#: Factor on the stiffness of the jacket in the frequency model.
+JACKET_FACTOR = float(SENSITIVITY_MODELS["frequency"]["jacket_stiffness_factor"])
 #: Sea states of the second value.
 _ALIKE = "all sea states alike"
 
@@ -82,16 +90,21 @@ def _factor(found: Sensitivity, structure: str) -> float:
     return float(np.mean([peak.factor[10.0] for peak in found.peaks[structure]]))
 
 
+def _unscaled(found: Sensitivity, weights: str) -> list[float]:
+    """Mean change for the frequency model, were its stress recovered with the stiffness of the reference."""
+    return [(100.0 + change) / JACKET_FACTOR - 100.0 for change in _changes(found, "frequency", weights)]
+
+
 def _stress_rows(found: Sensitivity) -> list[Row]:
     rows = []
     for structure, printed in (("frequency", 400.0), ("damping", -20.0)):
         each = _changes(found, structure, "published")
-        ours = float(np.mean(each))
-        close = abs(ours / printed - 1.0) < 0.25
-        verdict: Outcome = "reproduced" if close else "partly" if ours * printed > 0.0 else "not"
+        verdict = agreement(float(np.mean(each)), printed)
         name = f"total stress of the {structure} model against the reference, on average"
         rows.append(_row(name, "5.3, figure 5.5", printed, each, verdict))
         rows.append(_row(f"the same, {_ALIKE}", "5.3, figure 5.5", None, _changes(found, structure, "alike")))
+    reading = "what eq. 4.69 gives on the frequency model with the element stiffness of the reference"
+    rows.insert(2, _row(reading, "5.3, figure 5.5", None, _unscaled(found, "published")))
     return rows
 
 
@@ -123,8 +136,8 @@ def _ratio_rows(found: Sensitivity) -> list[Row]:
 
 
 def _energy_rows(found: Sensitivity) -> list[Row]:
-    words: dict[str, float | str] = {
-        "reference": 2.73,
+    words = {
+        "reference": None,
         "frequency": "smaller than the reference",
         "damping": "slightly smaller than the reference",
     }
@@ -132,11 +145,10 @@ def _energy_rows(found: Sensitivity) -> list[Row]:
     for structure, printed in words.items():
         factor = [peak.factor[10.0] for peak in found.peaks[structure]]
         ours = float(np.mean(factor))
-        fits = min(factor) <= 2.73 <= max(factor) if structure == "reference" else ours < base
+        verdict: Outcome | Literal[""] = "" if printed is None else "reproduced" if ours < base else "not"
         rows.append(
             Row(f"kinetic energy of the highest sea state, second order over linear, {structure}",
-                "5.3, figure 5.7", printed, ours, "", (min(factor), max(factor)),
-                "reproduced" if fits else "not")
+                "5.3, figure 5.7", printed, ours, "", (min(factor), max(factor)), verdict)
         )  # fmt: skip
     for structure, printed, more in (
         ("frequency", "significantly higher", True),
@@ -174,6 +186,23 @@ def _weights_table(found: Sensitivity) -> str:
     return table([*head, *(f"second order, {name}" for name in STRUCTURES)], lines)
 
 
+def _reading(found: Sensitivity) -> str:
+    """What the print may be made of."""
+    times = ", ".join(
+        f"{1.0 + 0.01 * np.mean(_unscaled(found, weights)):.2f} ({weights})" for weights in WEIGHTS
+    )
+    return (
+        "## A possible explanation of the 400 %\n\nEq. 4.69 recovers the forces of a member from its "
+        "element stiffness and the displacements of its ends. In the frequency model the elements are "
+        f"{JACKET_FACTOR:g} times as stiff, and this code recovers with that stiffness. With the stiffness "
+        f"of the reference all stresses would come out 1/{JACKET_FACTOR:g} = {1.0 / JACKET_FACTOR:.2f} times "
+        "as large, even where the members carry the same forces; our averages would then be, in multiples of "
+        f"the reference and by weights of the sea states: {times}. The thesis does not say which stiffness "
+        "it took; four times would be near its *increased with about 400 %*. That it did so is a guess, and "
+        "no result of this code."
+    )
+
+
 def _sections(found: Sensitivity, rows: list[Row]) -> list[str]:
     counts = {
         (seed, len(cells))
@@ -186,6 +215,8 @@ def _sections(found: Sensitivity, rows: list[Row]) -> list[str]:
         f"{len(found.peaks['reference'])} seeds. Values are those of direction 330 degrees with its "
         "published occurrences, mean and range of the seeds, where nothing else is named.",
         "## Print and this code\n\n" + rows_table(rows),
+        _RULES,
+        _reading(found),
         "## Weights\n\nChange of the total stress against the reference and increase by the second order, "
         "in percent, averages over the members, mean of the seeds; weights as in the wave comparison.\n\n"
         + _weights_table(found),
@@ -208,7 +239,7 @@ def _verdict(found: Sensitivity, rows: list[Row]) -> Verdict:
         "less than the reference on the frequency model). Its factor on the kinetic energy of the highest "
         f"sea state is {factor['reference']:.1f} on the reference, {factor['frequency']:.1f} on the "
         f"frequency and {factor['damping']:.1f} on the damping model (print: 2.73, smaller, slightly "
-        "smaller)."
+        "smaller; the first is judged on the page of the wave comparison)."
     )
-    missed = [row for row in rows if row.verdict in ("partly", "not")]
-    return Verdict("partly" if missed else "reproduced", why)
+    outcomes = {row.verdict for row in rows if row.verdict}
+    return Verdict("reproduced" if outcomes == {"reproduced"} else "partly", why)

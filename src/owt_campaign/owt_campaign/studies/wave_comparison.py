@@ -13,11 +13,12 @@ from jaxtyping import Float
 from scipy.signal import welch
 
 from owt_campaign.studies.cases import CUTOFFS, LINEAR, SECOND_ORDER, SEEDS, WAVE_MODELS
+from owt_campaign.studies.focus import Focus, focus_members
 from owt_campaign.studies.registry import Progress
 from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import STEP_S, Sea, StressRuns, leg_ends
-from owt_campaign.studies.wave_totals import Members, Part, TableRuns, run_table
+from owt_campaign.studies.wave_totals import Members, Part, TableRuns, by_member, run_table
 from owt_wave_node.core.stage import WaveStage
 
 __all__ = ["EnergyPeaks", "WaveComparison", "energy_peaks", "processes", "table_plan", "wave_comparison"]
@@ -77,6 +78,8 @@ class WaveComparison:
     table : TableRuns
         Reference structure over the table.
     members : Members
+    focus : Focus
+        Members that the text looks at.
     leg_end_name : tuple of str
         Ends whose ranges are binned.
     peaks : dict of lists of EnergyPeaks
@@ -91,6 +94,7 @@ class WaveComparison:
 
     table: TableRuns
     members: Members
+    focus: Focus
     leg_end_name: tuple[str, ...]
     peaks: dict[tuple[str, str], list[EnergyPeaks]]
     trace: dict[str, Float[np.ndarray, " sample"]]
@@ -125,11 +129,14 @@ def wave_comparison(*, full: bool, progress: Progress) -> WaveComparison:
     mesh = runs.mesh
     peaks, trace = _highest(runs, cells[-1], range(1, 6) if full else range(1, 4), full)
     members = Members.of(mesh)
-    focus = _focus_two(members, table)
-    spectra = {tp: _spectrum(runs, tp, mesh.end_name[focus]) for tp in SPECTRA_TP}
+    total = table.total(SECOND_ORDER)
+    focus = focus_members(mesh, members, by_member(total))
+    end = 2 * focus.half_way + int(total[2 * focus.half_way + 1] > total[2 * focus.half_way])
+    spectra = {tp: _spectrum(runs, tp, mesh.end_name[end]) for tp in SPECTRA_TP}
     return WaveComparison(
         table=table,
         members=members,
+        focus=focus,
         leg_end_name=tuple(mesh.end_name[end] for end in leg_ends(mesh)),
         peaks=peaks,
         trace=trace,
@@ -176,13 +183,6 @@ def _highest(
                     found = energy_peaks(kinetic[wave], kinetic[SECOND_ORDER])
                     peaks.setdefault((wave, cutoff), []).append(found)
     return peaks, trace
-
-
-def _focus_two(members: Members, table: TableRuns) -> int:
-    """Member end of the largest total stress among the legs between -30 and -5 m: half way down."""
-    total = table.total(SECOND_ORDER)
-    half_way = members.leg & (members.level > -30.0) & (members.level < -5.0)
-    return int(np.where(np.repeat(half_way, 2), total, 0.0).argmax())
 
 
 def _spectrum(runs: StressRuns, tp: float, end: str) -> Float[np.ndarray, "2 frequency"]:

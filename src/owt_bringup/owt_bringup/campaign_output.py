@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from pathlib import Path
@@ -10,10 +11,11 @@ from typing import Any, Self
 import numpy as np
 
 from owt_bringup.results import print_table
+from owt_bringup.sea_notes import case_warnings
 from owt_campaign.campaign import CampaignResult
 from owt_campaign.runner import CaseRecord
 
-__all__ = ["CampaignProgress", "print_outcome", "summary"]
+__all__ = ["CampaignProgress", "print_outcome", "summary", "warning_lines"]
 
 #: Seconds between two lines where there is no terminal.
 INTERVAL = 10.0
@@ -107,6 +109,7 @@ def summary(result: CampaignResult, elapsed: float) -> dict[str, Any]:
         "table": plan.table.name,
         "occurrence": plan.occurrence.source,
         "occurrence_assumed": plan.occurrence.assumed,
+        "warnings": _warnings(result),
         "totals": {},
     }  # fmt: skip
     if result.seconds:
@@ -120,15 +123,62 @@ def summary(result: CampaignResult, elapsed: float) -> dict[str, Any]:
         spots = result.sample.fatigue.hot_spots
         for order, totals in result.totals.items():
             worst = int(np.argmax(totals.damage_per_year))
-            life = float(totals.life_years(factor)[worst])
+            life, error = float(totals.life_years(factor)[worst]), totals.relative_error(worst)
             numbers["totals"][str(order)] = {
                 "probability_covered": totals.covered,
                 "worst_spot": spots.name[worst],
                 "damage_per_year": float(totals.damage_per_year[worst]),
+                "relative_standard_error": error if np.isfinite(error) else None,
                 "life_years": life if np.isfinite(life) else None,
                 "total_stress_per_year_pa": float(totals.total_stress_per_year.sum()),
             }
     return numbers
+
+
+def _error(total: dict[str, Any]) -> str:
+    error = total["relative_standard_error"]
+    return "" if error is None else f" +- {error:.1%} (standard error, by the seeds)"
+
+
+def _coverage(result: CampaignResult, numbers: dict[str, Any]) -> list[str]:
+    """What of the table counts nothing, in words."""
+    rows, lines = result.plan.table.rows, []
+    without = [str(rows[place].row) for place in result.plan.occurrence.without if not rows[place].problem]
+    if without:
+        more = f" and {len(without) - SHOWN} more" if len(without) > SHOWN else ""
+        lines.append(
+            f"without probability, so that they count nothing: row {', '.join(without[:SHOWN])}{more}"
+        )
+    for order, total in numbers["totals"].items():
+        if total["probability_covered"] < 1.0 - 1e-6:
+            lines.append(
+                f"order {order}: the sea states that count have a probability of "
+                f"{total['probability_covered']:.4g} together, not 1"
+            )
+    return lines
+
+
+def _warnings(result: CampaignResult) -> list[dict[str, Any]]:
+    """Models used outside their range: the rows and one of their sentences, by kind of warning."""
+    structure = None if result.mesh is None else result.mesh.structure
+    plan = result.plan
+    found: dict[str, list[tuple[int, str]]] = {}
+    seed, order = plan.seeds[0], max(plan.orders)
+    for place, case in zip(plan.places, plan.cases, strict=True):
+        if place.full or (place.seed, place.order) != (seed, order) or place in result.failed:
+            continue
+        for sentence in case_warnings(case, structure):
+            kind = re.sub(r"[-+]?[0-9][0-9.e+-]*", "#", sentence)
+            found.setdefault(kind, []).append((plan.table.rows[place.row].row, sentence))
+    return [{"rows": [row for row, _ in some], "example": some[0][1]} for some in found.values()]
+
+
+def warning_lines(numbers: dict[str, Any]) -> list[str]:
+    """The warnings of :func:`summary` in words."""
+    return [
+        f"in {len(warning['rows'])} of the rows, row {warning['rows'][0]} for one: {warning['example']}"
+        for warning in numbers["warnings"]
+    ]
 
 
 def _place_order(place: Any) -> tuple[int, int, int, bool]:
@@ -146,12 +196,17 @@ def print_outcome(result: CampaignResult, numbers: dict[str, Any], folder: Path)
         rows.append(
             (
                 f"order {order}",
-                f"damage {total['damage_per_year']:.3e} a year, life {life}, at {total['worst_spot']}",
+                f"damage {total['damage_per_year']:.3e}{_error(total)} a year, life {life}, "
+                f"at {total['worst_spot']}",
             )
         )
     rows.append(("results", str(folder)))
     print_table(rows)
     print(f"note: probability of the sea states: {numbers['occurrence']}", file=sys.stderr)
+    for line in _coverage(result, numbers):
+        print(f"note: {line}", file=sys.stderr)
+    for line in warning_lines(numbers):
+        print(f"warning: {line}", file=sys.stderr)
     if result.distrusted:
         print(
             f"note: {result.distrusted} results did not fit their checksum; computed again", file=sys.stderr

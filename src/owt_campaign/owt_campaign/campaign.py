@@ -12,7 +12,7 @@ import json
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -50,8 +50,10 @@ class CampaignResult:
         Results that were there but did not fit their checksum, and were computed again.
     totals : dict
         By wave order.
+    compared : dict
+        The same of the cases that every wave order finished, for ratios of one to the other.
     sample : CaseOutcome, optional
-        One of the outcomes; None if there is none.
+        The first of the outcomes; None if there is none.
     mesh : Mesh, optional
         The structure; None if there is no outcome.
     seconds, peak_memory_mib : list of float
@@ -64,6 +66,7 @@ class CampaignResult:
     failed: dict[Place, str] = field(default_factory=dict)
     distrusted: int = 0
     totals: dict[int, OrderTotals] = field(default_factory=dict)
+    compared: dict[int, OrderTotals] = field(default_factory=dict)
     sample: CaseOutcome | None = None
     mesh: Mesh | None = None
     seconds: list[float] = field(default_factory=list)
@@ -187,13 +190,15 @@ def _write_results(
     """Write the dataset and the tables from the files of the cases."""
     plan = result.plan
     outcomes = _Outcomes(store, keys, result.failed)
-    result.sample = next((some for place in keys if (some := outcomes.get(place)) is not None), None)
+    result.sample = _sample(plan, outcomes)
     if result.sample is None:
+        (folder / RESULTS).unlink(missing_ok=True)
+        shutil.rmtree(folder / TABLES, ignore_errors=True)
         return
     mesh = result.mesh = build_mesh(case_structure(result.sample.case.structure))
     design_fatigue_factor = result.sample.case.fatigue.design_fatigue_factor
     case = result.sample.case.model_dump(mode="json")
-    case.pop("sea_state")
+    del case["sea_state"], case["wave"]["order"]  # of the cases; those of the file are its dimensions
     attributes |= {
         "structure": mesh.structure.name,
         "model_hash": mesh.structure.content_hash,
@@ -204,13 +209,14 @@ def _write_results(
     }
     partial = folder / f".{RESULTS}.partial"
     builders = {order: TotalsBuilder(plan.occurrence.probability) for order in plan.orders}
+    of_both = {order: TotalsBuilder(plan.occurrence.probability) for order in plan.orders}
     with (
         CampaignFile(partial, plan, result.sample, mesh, attributes) as file,
         CampaignTables(folder / TABLES, plan, mesh.end_name, attributes) as tables,
     ):
         for row in range(len(plan.table.rows)):
+            found: dict[int, dict[int, CaseOutcome]] = {order: {} for order in plan.orders}
             for order in plan.orders:
-                found: list[CaseOutcome] = []
                 for seed in plan.seeds:
                     place = Place(row, seed, order)
                     outcome = outcomes.get(place)
@@ -219,7 +225,7 @@ def _write_results(
                         file.write_failed(place, keys.get(place, ""), message)
                         tables.add_failed(place, keys.get(place, ""), message)
                         continue
-                    found.append(outcome)
+                    found[order][seed] = outcome
                     file.write(place, keys[place], outcome)
                     tables.add(place, keys[place], outcome)
                     full = outcomes.get(Place(row, seed, order, full=True))
@@ -227,12 +233,30 @@ def _write_results(
                         errors = errors_against_full(outcome, full)
                         file.write_errors(place, errors)
                         tables.add_errors(place, errors, outcome)
-                builders[order].add_row(row, found)
-        result.totals = {o: made for o, b in builders.items() if (made := b.totals()) is not None}
+            both = set.intersection(*(set(of) for of in found.values()))
+            for order, of in found.items():
+                builders[order].add_row(row, list(of.values()))
+                of_both[order].add_row(row, [of[seed] for seed in plan.seeds if seed in both])
+        result.totals, result.compared = (
+            {o: made for o, b in some.items() if (made := b.totals()) is not None}
+            for some in (builders, of_both)
+        )
         if result.totals:
             file.write_totals(result.totals, design_fatigue_factor)
             tables.add_totals(result.totals, result.sample, design_fatigue_factor)
     partial.replace(folder / RESULTS)
+
+
+def _sample(plan: CampaignPlan, outcomes: _Outcomes) -> CaseOutcome | None:
+    """The first outcome in the order of the plan, none of the unreduced model, with the case asked for.
+
+    The case of a kept outcome may differ in what changes no number of it.
+    """
+    for place, case in zip(plan.places, plan.cases, strict=True):
+        found = None if place.full else outcomes.get(place)
+        if found is not None:
+            return replace(found, case=case)
+    return None
 
 
 class _Outcomes:

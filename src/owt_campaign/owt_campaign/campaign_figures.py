@@ -161,6 +161,8 @@ def exceedance_of_orders(
             "type": "scatter", "mode": "lines", "name": NAMES[order], "x": y.tolist(), "y": x.tolist(),
             "line": {"color": COLOURS[order], "width": 2}, "hovertemplate": "%{y:.3g} MPa: %{x:.3g} a year",
         })  # fmt: skip
+    if not traces:
+        least, most = 1.0, 1.0
     return Figure(
         "exceedance", "Stress ranges of a year",
         f"Cycles in a year above each range, {spot_name}, by probability.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -35,8 +36,17 @@ REPORT = "report.html"
 PRINTED = 30
 
 
-def write_report(result: CampaignResult, folder: Path) -> Path | None:
+def write_report(result: CampaignResult, folder: Path, warnings: Sequence[str] = ()) -> Path | None:
     """Write the page of a campaign; None if it has no outcome.
+
+    Parameters
+    ----------
+    result : CampaignResult
+        The campaign.
+    folder : Path
+        Where its results are.
+    warnings : sequence of str
+        What else the reader has to know.
 
     Raises
     ------
@@ -46,15 +56,15 @@ def write_report(result: CampaignResult, folder: Path) -> Path | None:
     if result.sample is None or result.mesh is None or not result.totals:
         (folder / REPORT).unlink(missing_ok=True)
         return None
-    return write_page(_Report(result, result.mesh, folder).page(), folder / REPORT)
+    return write_page(_Report(result, result.mesh, folder, warnings).page(), folder / REPORT)
 
 
 class _Report:
     """What the parts of the page share."""
 
-    def __init__(self, result: CampaignResult, mesh: Mesh, folder: Path) -> None:
+    def __init__(self, result: CampaignResult, mesh: Mesh, folder: Path, warnings: Sequence[str]) -> None:
         assert result.sample is not None  # of write_report
-        self.result, self.mesh, self.sample = result, mesh, result.sample
+        self.result, self.mesh, self.sample, self.warnings = result, mesh, result.sample, warnings
         self.order = max(result.totals)
         self.total = result.totals[self.order]
         fatigue = self.sample.case.fatigue
@@ -62,6 +72,7 @@ class _Report:
         self.usage = _yearly_usage(self.sample.fatigue, mesh, self.total)
         self.spot = self.usage.most_used
         self.spot_name = self.usage.spot_name[self.spot]
+        self.both = set(result.compared) == {1, 2}
         self.spread = _seed_spread(folder / RESULTS, result, self.order, self.spot)
 
     def page(self) -> str:
@@ -100,18 +111,18 @@ class _Report:
         )
 
     def _figures(self) -> list[Figure]:
-        plan, totals = self.result.plan, self.result.totals
+        plan, shown = self.result.plan, self.result.compared if self.both else self.result.totals
         level = self.mesh.node_position[self.mesh.member_node.ravel(), 2]
         found = [
             jacket(self.usage, mesh_geometry(self.mesh), self.design),
             by_sea_state(plan.table, self.total, self.spot, self.spot_name),
-            by_direction(plan.table, totals, self.spot, self.spot_name),
-            exceedance_of_orders(totals, self.spot, self.spot_name, self.usage.range_edge),
+            by_direction(plan.table, shown, self.spot, self.spot_name),
+            exceedance_of_orders(shown, self.spot, self.spot_name, self.usage.range_edge),
         ]
-        if set(totals) == {1, 2}:
+        if self.both:
             stretching = self.sample.case.wave.stretching
             found.append(
-                orders_compared(totals, self.usage.worst_spot, self.usage.end_name, level, stretching)
+                orders_compared(shown, self.usage.worst_spot, self.usage.end_name, level, stretching)
             )
         return found
 
@@ -120,11 +131,25 @@ class _Report:
         if result.plan.occurrence.assumed:
             lines.append(f"The probabilities are an assumption. {result.plan.occurrence.source}")
         if result.failed:
-            lines.append(f"{len(result.failed)} cases failed and are not counted; they are listed below")
+            lines.append(
+                f"{len(result.failed)} cases failed and are not counted; they are listed below. Of a sea "
+                "state that lacks some seeds the mean of the others counts; high seas fail first"
+            )
+            if self.both and any(
+                result.compared[o].covered < total.covered for o, total in result.totals.items()
+            ):
+                lines.append(
+                    "Second order is compared with linear waves over the cases that both of them finished, "
+                    f"with a probability of {self.result.compared[2].covered:.4g} together"
+                )
         if self.total.covered < 1.0 - 1e-6:
             lines.append(
                 f"The sea states that count have a probability of {self.total.covered:.4g} together, not 1"
             )
+        without = len(result.plan.occurrence.without)
+        if without:
+            lines.append(f"{without} rows of the table have no probability and count nothing")
+        lines.extend(self.warnings)
         items = "".join(f"<li>{text(line)}</li>" for line in lines)
         return f'<div class="warning" role="alert"><ul>{items}</ul></div>' if lines else ""
 
@@ -132,17 +157,21 @@ class _Report:
         rows = [
             ("most damaged hot spot", self.spot_name),
             (
-                f"its damage in a year, {NAMES[self.order]}",
+                f"its damage in a year, {NAMES[self.order]}{self._error()}",
                 power(float(self.total.damage_per_year[self.spot])),
             ),
             (f"its life, design fatigue factor {self.design.factor:g}", _years(self._life(self.total))),
         ]
-        if set(self.result.totals) == {1, 2}:
-            first = float(self.result.totals[1].damage_per_year[self.spot])
-            ratio = float(self.total.damage_per_year[self.spot]) / first if first else np.nan
+        if self.both:
+            first, second = (float(self.result.compared[o].damage_per_year[self.spot]) for o in (1, 2))
+            ratio = second / first if first else np.nan
             rows.append(("its damage, second order over linear", f"{ratio:.3f}"))
         cases = self.result.computed + self.result.reused
-        return [*rows, ("cases finished, failed", f"{cases}, {len(self.result.failed)}")]
+        return [*rows, ("cases finished, failed", f"{cases}, {len(self.result.failed)}")]  # fmt: skip
+
+    def _error(self) -> str:
+        relative = self.total.relative_error(self.spot)
+        return f" (standard error {relative:.1%}, by the seeds)" if np.isfinite(relative) else ""
 
     def _life(self, total: OrderTotals) -> float:
         return float(total.life_years(self.design.factor)[self.spot])

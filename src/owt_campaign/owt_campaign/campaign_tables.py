@@ -185,6 +185,7 @@ class CampaignTables:
                 "order": np.full(spots.n_spots, order, dtype=np.int8), "hot_spot": _words(spots.name),
                 "member_end": _words([self._end_name[end] for end in spots.end]), "side": _words(spots.side),
                 "damage_per_year": total.damage_per_year,
+                "damage_error_per_year": total.damage_error_per_year,
                 "life_years": total.life_years(design_fatigue_factor),
             })  # fmt: skip
             self._add("total_stress_per_year", {

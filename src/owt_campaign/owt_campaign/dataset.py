@@ -217,6 +217,13 @@ class CampaignFile:
         for name, by, unit, meaning, values in (
             ("damage_per_year", "spot", "1/a", weighted, {o: t.damage_per_year for o, t in totals.items()}),
             (
+                "damage_error_per_year",
+                "spot",
+                "1/a",
+                "standard error of the damage in a year by the scatter of the seeds",
+                {o: t.damage_error_per_year for o, t in totals.items()},
+            ),
+            (
                 "total_stress_per_year",
                 "end",
                 "Pa/a",

@@ -65,6 +65,11 @@ class Occurrence:
     source: str
     assumed: bool
 
+    @property
+    def without(self) -> list[int]:
+        """Places of rows that count nothing."""
+        return np.flatnonzero(self.probability == 0.0).tolist()
+
 
 def read_rose(path: str | Path) -> WaveRose:
     """Read a wave rose: a CSV file with columns ``direction_deg`` and ``share``.
@@ -83,6 +88,11 @@ def read_rose(path: str | Path) -> WaveRose:
         [[_number(n, name, c) for name, c in zip(head, row, strict=True)] for n, row in enumerate(rows, 1)]
     )
     direction, share = (cells[:, head.index(name)] for name in ("direction_deg", "share"))
+    for n, value in enumerate(direction.tolist()):
+        if value > 360.0 or value % 360.0 in direction[:n] % 360.0:
+            raise InputError(
+                "wave rose, direction_deg", value, "must lie between 0 and 360, once each", "Join its shares."
+            )
     if abs(share.sum() - 1.0) > SUM_TOLERANCE:
         raise InputError(
             "wave rose", float(share.sum()), "is the sum of its shares, and must be 1", "Scale them."

@@ -29,6 +29,9 @@ class OrderTotals:
     covered : float
         Probability of the rows that count.
     damage_per_year : float array [spot]
+    damage_error_per_year : float array [spot]
+        Standard error of `damage_per_year` by the scatter of the seeds, which are independent from row to
+        row; NaN where a row that counts has one seed.
     total_stress_per_year : float array [end]
         Sum of range x count in Pa of the von Mises stress.
     cycles_per_year : float array [spot, bin]
@@ -41,11 +44,17 @@ class OrderTotals:
 
     covered: float
     damage_per_year: Float[np.ndarray, " spot"]
+    damage_error_per_year: Float[np.ndarray, " spot"]
     total_stress_per_year: Float[np.ndarray, " end"]
     cycles_per_year: Float[np.ndarray, "spot bin"]
     row_damage_per_year: Float[np.ndarray, "row spot"]
     von_mises_cycles_per_year: Float[np.ndarray, " end"]
     max_range: Float[np.ndarray, " spot"]
+
+    def relative_error(self, spot: int) -> float:
+        """Standard error of the damage of a hot spot by the scatter of the seeds, over the damage."""
+        damage = float(self.damage_per_year[spot])
+        return float(self.damage_error_per_year[spot]) / damage if damage > 0.0 else float("nan")
 
     def life_years(self, design_fatigue_factor: float) -> Float[np.ndarray, " spot"]:
         """Years until the damage times the design fatigue factor is 1; inf without damage."""
@@ -80,9 +89,14 @@ class TotalsBuilder:
         )
         if self._damage is None:
             self._damage = np.zeros((len(self._probability), len(damage)))
+            self._variance = np.zeros(len(damage))
             self._stress, self._cycles = np.zeros_like(stress), np.zeros_like(cycles)
             self._unsigned, self._largest = np.zeros_like(unsigned), np.zeros_like(damage)
         self._damage[row] = damage
+        if weight > 0.0:
+            each = [f * o.fatigue.damage for f, o in zip(per_year, outcomes, strict=True)]
+            n = len(outcomes)
+            self._variance += weight**2 * n * np.var(each, axis=0, ddof=1) if n > 1 else np.nan
         self._stress += stress
         self._cycles += cycles
         self._unsigned += unsigned
@@ -96,7 +110,14 @@ class TotalsBuilder:
             return None
         whole = self._damage.sum(axis=0)
         return OrderTotals(
-            self._covered, whole, self._stress, self._cycles, self._damage, self._unsigned, self._largest
+            covered=self._covered,
+            damage_per_year=whole,
+            damage_error_per_year=np.sqrt(self._variance),
+            total_stress_per_year=self._stress,
+            cycles_per_year=self._cycles,
+            row_damage_per_year=self._damage,
+            von_mises_cycles_per_year=self._unsigned,
+            max_range=self._largest,
         )
 
 

@@ -71,6 +71,8 @@ def _plan(options: argparse.Namespace) -> CampaignPlan:
     from owt_campaign.plan import make_plan
     from owt_campaign.scatter import build_table, is_scatter, read_scatter
 
+    if options.orders is not None:  # Wheeler's stretching, for one, goes with one of them only
+        options.order = max(ORDERS[options.orders])
     case = case_from_flags(options)
     if case.sea_state is None or case.live is not None:
         raise InputError(
@@ -95,7 +97,7 @@ def _plan(options: argparse.Namespace) -> CampaignPlan:
 
 def run(options: argparse.Namespace) -> int:
     """Run the campaign and write its results."""
-    from owt_bringup.campaign_output import CampaignProgress, print_outcome, summary
+    from owt_bringup.campaign_output import CampaignProgress, print_outcome, summary, warning_lines
     from owt_bringup.output import write_json
     from owt_campaign.campaign import campaign_folder, run_campaign
     from owt_campaign.campaign_report import write_report
@@ -121,7 +123,7 @@ def run(options: argparse.Namespace) -> int:
             )
         numbers = summary(result, progress.elapsed)
         write_json(folder / "summary.json", numbers)
-        write_report(result, folder)
+        write_report(result, folder, warning_lines(numbers))
         print_outcome(result, numbers, folder)
     return 1 if result.failed else 0
 

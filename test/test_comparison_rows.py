@@ -16,7 +16,7 @@ from owt_campaign.studies.cases import LINEAR, SECOND_ORDER, SEEDS
 from owt_campaign.studies.modal_contribution import modal_contribution
 from owt_campaign.studies.reduction_runs import table_errors
 from owt_campaign.studies.registry import run_study
-from owt_campaign.studies.sampling import sampling, seed_scatter, table_variation
+from owt_campaign.studies.sampling import heaviest, sampling, seed_scatter, table_variation, variation_of
 from owt_campaign.studies.sea_table import Cell, cell_case, few_cells, load_case_table, occurrence
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import Sea, StressRecord, StressRuns
@@ -227,11 +227,26 @@ def test_what_all_sea_states_share_does_not_average_out() -> None:
     rng = np.random.default_rng(3)
     spots = 200
     common = {seed: rng.normal(1.0, 0.2, spots) for seed in SEEDS}
-    own = table_variation(invented_runs(lambda seed, cell: rng.normal(1.0, 0.2, spots).tolist()))
-    shared = table_variation(invented_runs(lambda seed, cell: common[seed].tolist()))
-    weights = occurrence(load_case_table())
-    assert own == pytest.approx(0.2 * np.sqrt((weights**2).sum()), rel=0.2)
-    assert shared == pytest.approx(0.2, rel=0.2)
+    own = invented_runs(lambda seed, cell: rng.normal(1.0, 0.2, spots).tolist())
+    shared = invented_runs(lambda seed, cell: common[seed].tolist())
+    expected = 0.2 * np.sqrt((occurrence(load_case_table()) ** 2).sum())
+
+    def seen(runs: TableRuns) -> float:
+        return float(np.sqrt(np.mean([variation_of(runs, spot) ** 2 for spot in range(spots)])))
+
+    assert seen(own) == pytest.approx(expected, rel=0.2)
+    assert table_variation(own).mean() == pytest.approx(expected, rel=0.1)
+    assert seen(shared) == pytest.approx(0.2, rel=0.2)
+    assert table_variation(shared).mean() == pytest.approx(
+        expected, rel=0.2
+    )  # which takes them for independent
+
+
+def test_the_heaviest_sea_states() -> None:
+    damage = {cell: cell.hs_m**4 for cell in load_case_table()}
+    share = dict(zip(damage, occurrence(list(damage)), strict=True))
+    parts = [share[cell] * damage[cell] for cell in heaviest(damage, 10)]
+    assert parts == sorted((share[cell] * damage[cell] for cell in damage), reverse=True)[:10]
 
 
 def test_sea_states_have_phases_of_their_own() -> None:

@@ -16,33 +16,41 @@ from owt_campaign.studies.basis_errors import (
     compared_cells,
     worst_of_joints,
 )
-from owt_campaign.studies.cases import LINEAR, SECOND_ORDER, SEEDS
+from owt_campaign.studies.cases import LINEAR, SECOND_ORDER
 from owt_campaign.studies.reduction import further_seeds
 from owt_campaign.studies.reduction_runs import SPECIFIC, SeaErrors, table_errors
 from owt_campaign.studies.registry import Progress
 from owt_campaign.studies.sampling import (
+    QUANTILE,
     RELEVANT,
     Sampling,
     SeedScatter,
     cell_damage,
+    heaviest,
     sampling,
     seed_scatter,
     table_variation,
+    variation_of,
 )
 from owt_campaign.studies.sea_table import Cell, few_cells, load_case_table
 from owt_campaign.studies.store import Store
 from owt_campaign.studies.stress_runs import StressRuns
 from owt_campaign.studies.wave_comparison import processes, table_plan
-from owt_campaign.studies.wave_totals import TableRuns, run_table
+from owt_campaign.studies.wave_totals import Part, TableRuns, run_table
 from owt_postproc.core.stage import BINS_PER_DECADE, LOWEST_PA
 
 __all__ = [
+    "HEAVIEST",
+    "MANY_SEEDS",
     "Beyond",
     "Joint",
     "beyond_study",
     "estimate_quality",
     "load_factor",
 ]
+
+#: Sea states and seeds of the comparison of own and shared phases.
+HEAVIEST, MANY_SEEDS = 10, 12
 
 
 @dataclass(frozen=True)
@@ -94,9 +102,11 @@ class Beyond:
         Errors of reduced models by seed and cell.
     scatter : SeedScatter
         Of the damage of the worst hot spot.
+    joint_half_width : float array [joint]
+        Half of the 95 % interval of the table's damage at the relevant joints, relative.
     variation : dict of float
-        Coefficient of variation of the table's damage from seed to seed, with "own" phases of each sea state
-        and with "shared" ones.
+        Coefficient of variation of the damage of the worst hot spot in the :data:`HEAVIEST` sea states
+        together, from seed to seed, with "own" phases of each of them and with "shared" ones.
     sampling : dict of Sampling
         Sea states needed, by the way they are chosen.
     basis : dict of BasisErrors
@@ -110,6 +120,7 @@ class Beyond:
     worst: int
     errors: Mapping[int, Mapping[Cell, SeaErrors]]
     scatter: SeedScatter
+    joint_half_width: Float[np.ndarray, " joint"]
     variation: Mapping[str, float]
     sampling: Mapping[str, Sampling]
     basis: Mapping[str, BasisErrors]
@@ -144,14 +155,11 @@ def beyond_study(*, full: bool, progress: Progress) -> Beyond:
     )
     compared = compared_cells(full=full)
     basis = basis_errors(runs, compared, progress)
-    shared = run_table(
-        samples, [(seed, SECOND_ORDER, table.cells(seed), ("reference",)) for seed in SEEDS], progress,
-        workers=processes(full=full), shared_phases=True,
-    )["reference"]  # fmt: skip
     damage = table.total(SECOND_ORDER, part="damage")
     worst = int(damage.argmax())
     model = runs.model("reference")
     joints = worst_of_joints(damage, model)
+    joints = joints[damage[joints] > RELEVANT * damage[worst]]
     by_seed = [cell_damage(table, SECOND_ORDER, seed) for seed in table.seeds()]
     return Beyond(
         table=table,
@@ -159,11 +167,28 @@ def beyond_study(*, full: bool, progress: Progress) -> Beyond:
         worst=worst,
         errors=errors,
         scatter=seed_scatter({cell: [float(of[cell][worst]) for of in by_seed] for cell in by_seed[0]}),
-        variation={"own": table_variation(table), "shared": table_variation(shared)},
-        sampling=sampling(table, worst, joints[damage[joints] > RELEVANT * damage[worst]]),
+        joint_half_width=QUANTILE * table_variation(table)[joints] / np.sqrt(len(by_seed)),
+        variation=_phases_compared(table, worst, samples, progress, full=full),
+        sampling=sampling(table, worst, joints),
         basis=basis,
         basis_cells=compared,
     )
+
+
+def _phases_compared(
+    table: TableRuns, worst: int, samples: int, progress: Progress, *, full: bool
+) -> dict[str, float]:
+    """Scatter of the damage from seed to seed with own and with shared phases."""
+    mean = cell_damage(table, SECOND_ORDER)
+    cells = heaviest({cell: float(damage[worst]) for cell, damage in mean.items()}, HEAVIEST)
+    plan: list[Part] = [(seed, SECOND_ORDER, cells, ("reference",)) for seed in range(1, MANY_SEEDS + 1)]
+    workers = processes(full=full)
+    return {
+        name: variation_of(
+            run_table(samples, plan, progress, workers=workers, shared_phases=shared)["reference"], worst
+        )
+        for name, shared in (("own", False), ("shared", True))
+    }
 
 
 def _joints(

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from owt_campaign.studies.cases import SECOND_ORDER
-from owt_campaign.studies.sea_table import Cell, occurrence
+from owt_campaign.studies.sea_table import Cell, load_case_table, occurrence
 from owt_campaign.studies.wave_totals import TableRuns
 
 __all__ = [
@@ -20,12 +20,14 @@ __all__ = [
     "SeedScatter",
     "cell_damage",
     "draws_needed",
+    "heaviest",
     "largest_needed",
     "pilots",
     "proxies",
     "sampling",
     "seed_scatter",
     "table_variation",
+    "variation_of",
 ]
 
 #: Relative error that is asked for, and its two-sided quantile of 95 %.
@@ -120,17 +122,31 @@ def seed_scatter(damage: Mapping[Cell, Sequence[float]], *, draws: int = 4000) -
     )
 
 
-def table_variation(table: TableRuns) -> float:
-    """Coefficient of variation of the table's damage from seed to seed, second order.
+def table_variation(table: TableRuns) -> Float[np.ndarray, " spot"]:
+    """Coefficient of variation of the table's damage by one seed, sea states independent, second order.
 
-    Root mean square over the hot spots of more than :data:`RELEVANT` of the largest damage: of one spot, the
-    few seeds tell little.
+    The variances of the sea states add up: each of them is known by its few seeds only, their sum well.
     """
-    total = np.array([table.total(SECOND_ORDER, seed, part="damage") for seed in table.seeds()])
-    mean = total.mean(axis=0)
-    seen = mean > RELEVANT * mean.max()
-    variation = total[:, seen].std(axis=0, ddof=1) / mean[seen]
-    return float(np.sqrt((variation**2).mean()))
+    damage = [np.array(list(cell_damage(table, SECOND_ORDER, seed).values())) for seed in table.seeds()]
+    share = occurrence(table.cells(table.seeds()[0]))
+    variance = share**2 @ np.var(damage, axis=0, ddof=1)
+    return np.asarray(np.sqrt(variance) / (share @ np.mean(damage, axis=0)))
+
+
+def heaviest(damage: Mapping[Cell, float], count: int) -> list[Cell]:
+    """The sea states that contribute most to the table's damage."""
+    contribution = occurrence(list(damage)) * np.array(list(damage.values()))
+    return [list(damage)[place] for place in np.argsort(contribution)[::-1][:count]]
+
+
+def variation_of(table: TableRuns, spot: int) -> float:
+    """Coefficient of variation of the damage of a hot spot from seed to seed, of all sea states together."""
+    share = {cell: p for cell, p in zip(load_case_table(), occurrence(load_case_table()), strict=True)}
+    total = [
+        sum(share[cell] * float(of[spot]) for cell, of in cell_damage(table, SECOND_ORDER, seed).items())
+        for seed in table.seeds()
+    ]
+    return float(np.std(total, ddof=1) / np.mean(total))
 
 
 def proxies(damage: Mapping[Cell, float]) -> dict[str, Float[np.ndarray, " cell"]]:

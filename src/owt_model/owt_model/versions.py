@@ -29,13 +29,22 @@ def versions() -> dict[str, str]:
 
 
 def _revision(here: Path) -> str:
-    """Short commit of the checkout that holds this file, marked when files differ from it; else empty."""
+    """Short commit of the checkout that holds this file, marked when its sources differ from it; else empty."""
     root = here.parents[3]
     if not (root / ".git").exists():
         return ""
-    command = ["git", "-C", str(root), "describe", "--always", "--dirty"]
-    try:
-        result = subprocess.run(command, capture_output=True, text=True, timeout=5, check=False)
-    except (OSError, subprocess.TimeoutExpired):
+    commit = _git(root, "describe", "--always")
+    if commit is None or commit.returncode != 0:
         return ""
-    return result.stdout.strip() if result.returncode == 0 else ""
+    sources = _git(root, "diff", "--quiet", "HEAD", "--", "src")
+    return commit.stdout.strip() + ("" if sources is not None and sources.returncode == 0 else "-dirty")
+
+
+def _git(root: Path, *arguments: str) -> subprocess.CompletedProcess[str] | None:
+    """Run git in `root`; None where that is not possible."""
+    try:
+        return subprocess.run(
+            ["git", "-C", str(root), *arguments], capture_output=True, text=True, timeout=5, check=False
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None

@@ -300,8 +300,8 @@ def _seed_section(found: Beyond) -> str:
         f"together, neighbours most of all: the damage of the {HEAVIEST} sea states of largest contribution "
         f"together varies by {variation['shared']:.0%} from seed to seed instead of {variation['own']:.0%} "
         f"({MANY_SEEDS} seeds), so that it takes {_more_seeds(found):.0f} times as many of them. Campaigns "
-        "and studies give each sea state its own.\n\nThe worst hot spot lives on many sea states, others on few: "
-        f"at the worst ones of {len(found.joint_half_width)} joints the interval is "
+        "and studies give each sea state its own.\n\nThe worst hot spot lives on many sea states, others on "
+        f"few: at the worst ones of {len(found.joint_half_width)} joints the interval is "
         f"+-{np.median(found.joint_half_width):.1%} in the median and {found.joint_half_width.max():.1%} at "
         "most (variances of the sea states added up)."
     )

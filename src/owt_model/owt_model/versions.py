@@ -29,7 +29,7 @@ def versions() -> dict[str, str]:
 
 
 def _revision(here: Path) -> str:
-    """Short commit of the checkout that holds this file, marked when its sources differ from it; else empty."""
+    """Short commit of the checkout that holds this file, marked when its sources differ; else empty."""
     root = here.parents[3]
     if not (root / ".git").exists():
         return ""

@@ -191,6 +191,10 @@ def test_what_is_no_rose_is_refused(text: str, says: str, tmp_path: Path) -> Non
         ("hm0_min_m,hm0_max_m,tp_5.5s\n0,1,0\n", "no occurrence"),
         ("hm0_min_m,hm0_max_m,period\n0,1,1\n", "names no column"),
         ("hm0_min_m,hm0_max_m,tp_5.5s\n0,1,1\n", "not told by a comment"),
+        ("# direction -30 deg\nhm0_min_m,hm0_max_m,tp_5.5s\n0,1,1\n", "-30.0: must lie between 0 and 360"),
+        ("# direction 330.5.1 deg\nhm0_min_m,hm0_max_m,tp_5.5s\n0,1,1\n", "'330.5.1': must be a finite"),
+        ("hm0_min_m,hm0_max_m,tp_5.5s\n0,1,1\n0.5,2,1\n", "overlap"),
+        ("hm0_min_m,hm0_max_m,tp_5.5s,tp_5.50s\n0,1,1,1\n", "period twice"),
     ],
 )
 def test_what_is_no_scatter_diagram_is_refused(text: str, says: str, tmp_path: Path) -> None:
@@ -212,3 +216,24 @@ def test_table_text_is_read_again(tmp_path: Path) -> None:
     table = build_table(read_scatter(shipped_table("scatter_330deg.csv")), "full")
     again = read_load_cases(write(tmp_path / "t.csv", table_text(table)))
     assert again.rows == table.rows
+
+
+@pytest.mark.parametrize("width", ["nan", "-1", "1e-12", "0.3", "inf"])
+def test_widths_of_heights_that_make_no_table(
+    width: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    diagram = str(shipped_table("scatter_330deg.csv"))
+    assert main(["table", diagram, f"--hs-bin={width}", "-o", str(tmp_path / "table.csv")]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("error: hs-bin = ")
+    assert err.count("\n") == 1
+    assert not (tmp_path / "table.csv").exists()
+
+
+def test_a_table_does_not_replace_its_diagram(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = shipped_table("scatter_330deg.csv").read_text()
+    diagram = write(tmp_path / "scatter.csv", text)
+    assert main(["table", str(diagram), "-o", str(tmp_path / "." / "scatter.csv")]) == 1
+    assert "is the scatter diagram itself" in capsys.readouterr().err
+    assert diagram.read_text() == text
+    assert main(["table", str(diagram), "-o", str(tmp_path / "table.csv")]) == 0

@@ -26,7 +26,9 @@ Method = Literal["weighted-tp", "weighted-hs", "full"]
 METHODS: tuple[Method, ...] = ("weighted-tp", "weighted-hs", "full")
 LIMITS = ("hm0_min_m", "hm0_max_m")
 _PERIOD = re.compile(r"^tp_([0-9.]+)s?$")
-_DIRECTION = re.compile(r"direction\s+([0-9.]+)\s*deg", re.IGNORECASE)
+_DIRECTION = re.compile(r"direction\s+([-+0-9.]+)\s*deg", re.IGNORECASE)
+#: Narrowest heights in m that a table is split into.
+NARROWEST = 0.01
 
 
 @dataclass(frozen=True)
@@ -108,14 +110,18 @@ def read_scatter(path: str | Path, *, direction_deg: float | None = None) -> Sca
         raise InputError(
             "hm0_min_m", limits[:, 0].tolist(), "must be 0 or more and below hm0_max_m", "Check the bins."
         )
+    lowest = limits[np.argsort(limits[:, 0])]
+    if (lowest[1:, 0] < lowest[:-1, 1] - 1e-9).any():
+        raise InputError("hm0_min_m", limits[:, 0].tolist(), "has bins that overlap", "Check the bins.")
     occurrence = cells[:, [head.index(name) for name in places]]
     if occurrence.sum() <= 0.0:
         raise InputError("scatter diagram", str(path), "has no occurrence", "Check its cells.")
     period = np.array([_number("tp", match.group(1)) for match in places.values()])
-    if (period <= 0.0).any():
+    if (period <= 0.0).any() or len(set(period.tolist())) < len(period):
         raise InputError(
-            "scatter diagram", period.tolist(), "has a period that is not above 0 s", "Check the heading."
-        )
+            "scatter diagram", period.tolist(), "has a period twice, or one that is not above 0 s",
+            "Check the heading.",
+        )  # fmt: skip
     return Scatter(str(path), limits, period, occurrence, _direction(path, comments, direction_deg))
 
 
@@ -126,9 +132,9 @@ def _direction(path: str | Path, comments: Sequence[str], given: float | None) -
             "direction",
             None,
             f"is not told by a comment of {path}",
-            "Give it by --direction, in degrees from north.",
+            "Write a comment '# direction 330 deg' into it, or give `owt table` --direction.",
         )
-    direction = float(told) if given is None and told is not None else float(given or 0.0)
+    direction = _number("direction", told) if given is None and told is not None else float(given or 0.0)
     if not 0.0 <= direction <= 360.0:
         raise InputError(
             "direction", direction, "must lie between 0 and 360", "Give degrees clockwise from north."
@@ -176,6 +182,8 @@ def build_table(scatter: Scatter, method: Method, *, height_bin_m: float | None 
         raise InputError("method", method, f"must be one of {', '.join(METHODS)}", "Use weighted-tp.")
     if height_bin_m is not None and method != "weighted-tp":
         raise InputError("hs-bin", height_bin_m, "goes with the method weighted-tp only", "Leave it out.")
+    if height_bin_m is not None and not NARROWEST <= height_bin_m < np.inf:
+        raise InputError("hs-bin", height_bin_m, f"must be {NARROWEST:g} m or more", "Use 0.5.")
     rows = {"weighted-tp": _by_height, "weighted-hs": _by_period, "full": _by_cell}[method](
         scatter, height_bin_m
     )
@@ -210,7 +218,10 @@ def _by_height(scatter: Scatter, height_bin_m: float | None) -> list[Row]:
         parts = 1 if height_bin_m is None else round((high - low) / height_bin_m)
         if parts < 1 or (height_bin_m is not None and abs(parts * height_bin_m - (high - low)) > 1e-9):
             raise InputError(
-                "hs-bin", height_bin_m, f"does not divide the bin from {low:g} to {high:g} m", "Use 0.5."
+                "hs-bin",
+                height_bin_m,
+                f"does not divide the bin from {low:g} to {high:g} m",
+                "Use one that divides all bins, or 0 for those of the diagram.",
             )
         period = float(counts @ scatter.period / counts.sum())
         edges = np.linspace(low, high, parts + 1)

@@ -6,6 +6,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from owt_model.errors import InputError
+
 HELP = "a load-case table of a scatter diagram"
 METHODS = ("weighted-tp", "weighted-hs", "full")
 #: Width in m of the heights of thesis table 4.5.
@@ -40,6 +42,10 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.output import atomic_path
     from owt_campaign.scatter import build_table, read_scatter, table_text
 
+    if options.output is not None and options.output.resolve() == options.scatter.resolve():
+        raise InputError(
+            "output", str(options.output), "is the scatter diagram itself", "Choose another name."
+        )
     width = options.hs_bin
     if width is None and options.method == "weighted-tp":
         width = THESIS_BIN

@@ -130,11 +130,6 @@ def _sampling_rows(found: Beyond) -> list[Row]:
     ]  # fmt: skip
 
 
-def _more_seeds(found: Beyond) -> float:
-    """How many times as many seeds shared phases take."""
-    return (found.variation["shared"] / found.variation["own"]) ** 2
-
-
 def _seed_rows(found: Beyond) -> list[Row]:
     s, variation = found.scatter, found.variation
     return [
@@ -299,8 +294,8 @@ def _seed_section(found: Beyond) -> str:
         "of its own. With the same phases in all sea states of a seed their records are large or small "
         f"together, neighbours most of all: the damage of the {HEAVIEST} sea states of largest contribution "
         f"together varies by {variation['shared']:.0%} from seed to seed instead of {variation['own']:.0%} "
-        f"({MANY_SEEDS} seeds), so that it takes {_more_seeds(found):.0f} times as many of them. Campaigns "
-        "and studies give each sea state its own.\n\nThe worst hot spot lives on many sea states, others on "
+        f"({MANY_SEEDS} seeds), and further sea states do not average it out. Campaigns and studies give each "
+        "sea state its own.\n\nThe worst hot spot lives on many sea states, others on "
         f"few: at the worst ones of {len(found.joint_half_width)} joints the interval is "
         f"+-{np.median(found.joint_half_width):.1%} in the median and {found.joint_half_width.max():.1%} at "
         "most (variances of the sea states added up)."
@@ -332,8 +327,9 @@ def _verdict(found: Beyond) -> Verdict:
         f"{needed.joints[1]} that of all; drawing them at random takes more draws than the table has sea "
         f"states. {np.ceil(found.scatter.needed_table):.0f} seeds per sea state give the table's damage "
         f"within 5 % at the worst hot spot (half of the joints: {np.median(found.joint_half_width):.0%} with "
-        f"{found.scatter.seeds}) if each sea state has phases of its own; if all share them, it takes "
-        f"{_more_seeds(found):.0f} times as many."
+        f"{found.scatter.seeds}) if each sea state has phases of its own. With phases that all "
+        f"share, the {HEAVIEST} heaviest together scatter by {found.variation['shared']:.0%} instead of "
+        f"{found.variation['own']:.0%}, and more sea states do not help."
     )
     return Verdict(outcome, why)
 

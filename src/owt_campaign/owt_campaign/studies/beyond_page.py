@@ -294,7 +294,7 @@ def _seed_section(found: Beyond) -> str:
         "of its own. With the same phases in all sea states of a seed their records are large or small "
         f"together, neighbours most of all: the damage of the {HEAVIEST} sea states of largest contribution "
         f"together varies by {variation['shared']:.0%} from seed to seed instead of {variation['own']:.0%} "
-        f"({MANY_SEEDS} seeds), and further sea states do not average it out. Campaigns and studies give each "
+        f"({MANY_SEEDS} seeds), and more sea states do not average it out. Campaigns and studies give each "
         "sea state its own.\n\nThe worst hot spot lives on many sea states, others on "
         f"few: at the worst ones of {len(found.joint_half_width)} joints the interval is "
         f"+-{np.median(found.joint_half_width):.1%} in the median and {found.joint_half_width.max():.1%} at "

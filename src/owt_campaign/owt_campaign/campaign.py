@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import fcntl
 import json
-import shutil
+import re
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from owt_campaign.campaign_tables import CampaignTables
+from owt_campaign.campaign_tables import NAMES, CampaignTables
 from owt_campaign.dataset import CampaignFile
 from owt_campaign.engine import CaseOutcome
 from owt_campaign.errors_full import errors_against_full
@@ -32,8 +32,11 @@ from owt_model.structure import case_structure
 __all__ = ["CampaignResult", "campaign_folder", "run_campaign"]
 
 CASES, RESULTS, TABLES = "cases", "results.nc", "tables"
+#: What was asked for: written first, so that a folder without it is no campaign's.
+ASKED = "campaign.json"
 #: What a campaign leaves in its folder.
-OWN = (CASES, RESULTS, TABLES, "summary.json", "report.html", "campaign.json")
+OWN = (CASES, RESULTS, TABLES, "summary.json", "report.html", ASKED)
+_CASE_FILE = re.compile(r"\.?[0-9a-f]{64}\.(npz|sha256)(\.partial)?")
 
 
 @dataclass
@@ -93,6 +96,11 @@ def campaign_folder(folder: Path, *, resume: bool, overwrite: bool) -> Iterator[
             "output", str(folder), f"holds a campaign already ({', '.join(there)})",
             "Give --resume to go on with it, --overwrite to begin anew, or another folder.",
         )  # fmt: skip
+    if there and ASKED not in there:
+        raise InputError(
+            "output", str(folder), f"holds {', '.join(there)} but no {ASKED}: not those of a campaign",
+            "Choose another folder.",
+        )  # fmt: skip
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with (folder / ".lock").open("w") as lock:
@@ -105,14 +113,25 @@ def campaign_folder(folder: Path, *, resume: bool, overwrite: bool) -> Iterator[
                     "is worked in by another campaign",
                     "Wait for it, or choose another folder.",
                 ) from None
-            for name in there if overwrite else ():
-                path = folder / name
-                shutil.rmtree(path) if path.is_dir() else path.unlink()
+            if overwrite:
+                _remove(folder)
             yield folder
     except PermissionError as error:
         raise InputError(
             "output", str(folder), f"cannot be written to ({error.strerror})", "Choose another folder."
         ) from None
+
+
+def _remove(folder: Path) -> None:
+    """Remove the files of a campaign, and nothing else."""
+    for path in (folder / CASES).glob("*"):
+        if _CASE_FILE.fullmatch(path.name):
+            path.unlink()
+    for name in NAMES:
+        (folder / TABLES / f"{name}.parquet").unlink(missing_ok=True)
+    for name in OWN:
+        with suppress(OSError):  # a folder that holds something else stays
+            (folder / name).rmdir() if (folder / name).is_dir() else (folder / name).unlink()
 
 
 def run_campaign(
@@ -192,8 +211,8 @@ def _write_results(
     outcomes = _Outcomes(store, keys, result.failed)
     result.sample = _sample(plan, outcomes)
     if result.sample is None:
-        (folder / RESULTS).unlink(missing_ok=True)
-        shutil.rmtree(folder / TABLES, ignore_errors=True)
+        for path in (folder / RESULTS, *(folder / TABLES / f"{name}.parquet" for name in NAMES)):
+            path.unlink(missing_ok=True)
         return
     mesh = result.mesh = build_mesh(case_structure(result.sample.case.structure))
     design_fatigue_factor = result.sample.case.fatigue.design_fatigue_factor

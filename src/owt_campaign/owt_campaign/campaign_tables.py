@@ -24,8 +24,13 @@ from owt_campaign.errors_full import ErrorsAgainstFull
 from owt_campaign.plan import CampaignPlan, Place
 from owt_campaign.totals import OrderTotals
 
-__all__ = ["CampaignTables"]
+__all__ = ["NAMES", "CampaignTables"]
 
+#: The tables that there may be.
+NAMES = (
+    "cases", "damage", "total_stress", "energy", "stages", "errors_hot_spot", "errors_member_end",
+    "errors_part", "totals", "total_stress_per_year", "stress_ranges",
+)  # fmt: skip
 #: Rows of a table that are held before they are written.
 HELD = 200_000
 
@@ -71,9 +76,9 @@ class CampaignTables:
                 partial.replace(self._folder / f"{name}.parquet")
             else:
                 partial.unlink(missing_ok=True)
-        for left in self._folder.glob("*.parquet"):  # of an earlier run with other options
-            if kind is None and left.stem not in self._writers:
-                left.unlink()
+        for name in NAMES if kind is None else ():  # those of an earlier run with other options
+            if name not in self._writers:
+                (self._folder / f"{name}.parquet").unlink(missing_ok=True)
 
     def _partial(self, name: str) -> Path:
         return self._folder / f".{name}.parquet.partial"

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from itertools import islice
 from types import TracebackType
 from typing import Any, Generic, Protocol, Self, TypeVar
+from urllib.parse import urlsplit
 
 from owt_model.errors import ComputationError, InputError
 
@@ -25,6 +28,10 @@ ALLOWED_DEATHS = 2
 #: Calls submitted per thread of the cluster: one that runs and those that wait beside it.
 IN_FLIGHT = 2
 CONNECT_TIMEOUT = 10.0
+#: Seconds between looks whether there are workers at all, and how many without any end the work.
+LOOK_EVERY, PATIENCE = 5.0, 60.0
+#: Transports of Dask.
+SCHEMES = ("tcp", "tls", "ws", "wss", "ucx")
 #: What workers of this machine import when they start.
 CASE_MODULE = "owt_campaign.worker"
 #: Variables that hold the threads of the libraries in a worker, and of this project.
@@ -106,7 +113,7 @@ class DaskPool:
         Raises
         ------
         InputError
-            If there is none at the address.
+            If there is none at the address, or it has no worker.
         """
         import dask
         import distributed  # noqa: F401  its defaults first, lest they are taken for ours and removed with them
@@ -135,6 +142,7 @@ class DaskPool:
         from distributed import Client, LocalCluster
 
         if self._address is not None:
+            _check_address(self._address)
             try:
                 client = Client(self._address, timeout=CONNECT_TIMEOUT, set_as_default=False)
             except (OSError, ValueError, TypeError) as error:
@@ -182,26 +190,65 @@ class DaskPool:
         Raises
         ------
         ComputationError
-            If the scheduler is lost.
+            If the scheduler is lost, or all its workers are.
         """
-        from distributed import as_completed
+        lost: list[Call[Job, Result]] = []
+        for call, result in self._ended(iter(calls)):
+            if isinstance(result, WorkerLostError):
+                lost.append(call)
+            else:
+                yield Done(call[0], result)
+        # Dask blames all calls that waited at a worker which died. Alone, only the guilty one kills it again.
+        for one in lost:
+            for call, result in self._ended(iter([one])):
+                yield Done(call[0], result)
 
-        waiting, jobs = iter(calls), dict[Any, Job]()
-        ended = as_completed([], loop=self._client.loop)
+    def _ended(
+        self, waiting: Iterator[Call[Job, Result]]
+    ) -> Iterator[tuple[Call[Job, Result], Result | WorkerLostError]]:
+        """Calls with their results, as they end."""
+        jobs = dict[Any, Call[Job, Result]]()
         while True:
             limit = IN_FLIGHT * max(1, sum(self._client.nthreads().values()))
-            while len(jobs) < limit:
-                call = next(waiting, None)
-                if call is None:
-                    break
-                job, function, arguments = call
-                future = self._client.submit(function, *arguments, pure=False)
-                jobs[future] = job
-                ended.add(future)
+            for call in islice(waiting, limit - len(jobs)):
+                _, function, arguments = call
+                jobs[self._client.submit(function, *arguments, pure=False)] = call
             if not jobs:
                 return
-            future = next(ended)
-            yield Done(jobs.pop(future), _result(future))
+            for future in self._first(list(jobs)):
+                yield jobs.pop(future), _result(future)
+
+    def _first(self, futures: list[Any]) -> list[Any]:
+        """Futures that have ended, one at least, in their order; an error when nobody works on them."""
+        from distributed import CancelledError, wait
+
+        since = time.monotonic()
+        while True:
+            try:
+                with self._client.as_current():
+                    ended = wait(futures, timeout=LOOK_EVERY, return_when="FIRST_COMPLETED").done
+                return [future for future in futures if future in ended]
+            except CancelledError:
+                return [future for future in futures if future.cancelled()]
+            except TimeoutError:
+                if self._client.nthreads():
+                    since = time.monotonic()
+                elif time.monotonic() - since > PATIENCE:
+                    raise ComputationError(
+                        f"{self._address or 'the cluster'} has had no worker for {PATIENCE:g} s; finished "
+                        "cases are kept. Start workers that have this version, then again with --resume."
+                    ) from None
+
+
+def _check_address(address: str) -> None:
+    """Refuse what is no address, before Dask waits for it."""
+    try:
+        parts = urlsplit(address)
+        sound = parts.scheme in SCHEMES and bool(parts.hostname) and parts.port is not None
+    except ValueError:
+        sound = False
+    if not sound:
+        raise InputError("scheduler", address, "is no address of a scheduler", "Give tcp://HOST:PORT of one.")
 
 
 def _result(future: Any) -> Any:

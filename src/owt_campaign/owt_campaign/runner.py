@@ -23,7 +23,7 @@ from owt_campaign.worker import WorkerResult, compute_basis, compute_case
 from owt_model.config import CaseConfig
 from owt_model.errors import InputError, OwtError
 
-__all__ = ["CaseRecord", "run_cases"]
+__all__ = ["CaseRecord", "check_workers", "run_cases"]
 
 
 @dataclass(frozen=True)
@@ -125,8 +125,7 @@ def run_cases(
     """
     if cluster not in CLUSTERS:
         raise InputError("cluster", cluster, f"must be one of {', '.join(CLUSTERS)}", "Use spec.")
-    if workers < 0:
-        raise InputError("workers", workers, "must be 0 or more", "0 computes in this process.")
+    check_workers(workers)
     jobs, members = [], _Clusters(cases, cluster)
     structures: dict[str, str] = {}
     for index, case in enumerate(cases):
@@ -147,6 +146,21 @@ def run_cases(
             if on_done is not None:
                 on_done(record)
             yield record
+
+
+def check_workers(workers: int, scheduler: str | None = None) -> None:
+    """Make sure that there is who can compute, before anything is begun or removed.
+
+    Raises
+    ------
+    InputError
+        If the number is refused, or there is no scheduler at the address.
+    """
+    if workers < 0:
+        raise InputError("workers", workers, "must be 0 or more", "0 computes in this process.")
+    if scheduler is not None:
+        with DaskPool(workers, scheduler):
+            pass
 
 
 class _Clusters:

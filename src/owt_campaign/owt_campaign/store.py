@@ -57,10 +57,10 @@ class ResultStore:
         except OSError:
             return None
         try:
-            wanted = self._checksum_path(key).read_text(encoding="ascii").split(" ")[0]
+            told = self._checksum_path(key).read_text(encoding="ascii")
         except (OSError, UnicodeDecodeError):
-            wanted = ""
-        if hashlib.sha256(data).hexdigest() == wanted:
+            told = ""
+        if told == _checksum(path, data):  # the name too: files may have changed places
             return data
         self.distrusted.append(key)
         return None
@@ -77,7 +77,7 @@ class ResultStore:
         try:
             checksum.unlink(missing_ok=True)  # that of an older file would make the new one look corrupted
             _write(path, data)
-            _write(checksum, f"{hashlib.sha256(data).hexdigest()}  {path.name}\n".encode())
+            _write(checksum, _checksum(path, data).encode())
         except OSError as error:
             raise InputError(
                 "output", str(path), f"cannot be written ({error.strerror})", "Check the free space."
@@ -85,6 +85,11 @@ class ResultStore:
 
     def _checksum_path(self, key: str) -> Path:
         return self.folder / f"{key}.sha256"
+
+
+def _checksum(path: Path, data: bytes) -> str:
+    """A line as ``sha256sum`` writes it."""
+    return f"{hashlib.sha256(data).hexdigest()}  {path.name}\n"
 
 
 def _write(path: Path, data: bytes) -> None:

@@ -101,10 +101,12 @@ def run(options: argparse.Namespace) -> int:
     from owt_bringup.output import write_json
     from owt_campaign.campaign import campaign_folder, run_campaign
     from owt_campaign.campaign_report import write_report
+    from owt_campaign.runner import check_workers
     from owt_model.versions import versions
 
     workers = len(os.sched_getaffinity(0)) if options.workers is None else options.workers
     plan = _plan(options)
+    check_workers(workers, options.scheduler)
     with campaign_folder(options.output, resume=options.resume, overwrite=options.overwrite) as folder:
         arguments = {
             key: value for key, value in sorted(vars(options).items()) if key not in ("run", "command")

@@ -142,6 +142,14 @@ def test_a_scheduler_without_workers_is_an_error(monkeypatch: pytest.MonkeyPatch
         assert [done.result for done in pool.run([("job", abs, (-1,))])] == [1]
 
 
+def test_a_worker_without_the_code_is_an_error() -> None:
+    def lacking() -> None:
+        raise ModuleNotFoundError("No module named 'owt_model'")
+
+    with DaskPool(1) as pool, pytest.raises(ComputationError, match="same version everywhere"):
+        list(pool.run([("job", lacking, ())]))
+
+
 def test_what_is_no_address_is_refused_at_once() -> None:
     for address in ("", "nonsense", "tcp://", "tcp://host", "http://host:1", "tcp://host:port"):
         with pytest.raises(InputError, match="is no address"):

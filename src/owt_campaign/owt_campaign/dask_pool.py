@@ -266,3 +266,8 @@ def _result(future: Any) -> Any:
         raise ComputationError(
             "the Dask scheduler was lost; finished cases are kept. Start again with --resume."
         ) from None
+    except ImportError as error:  # what runs there raises nothing: it could not be read there
+        raise ComputationError(
+            f"a worker lacks what it needs ({error}). Install the same version everywhere, then again with "
+            "--resume."
+        ) from None

@@ -19,8 +19,7 @@ import xarray as xr
 from owt_bringup.cli import main
 from owt_campaign import dask_pool
 from owt_campaign.dask_pool import ALLOWED_DEATHS, DaskPool, WorkerLostError
-from owt_campaign.engine import CaseOutcome, evaluate_case
-from owt_campaign.load_cases import case_of, read_load_cases
+from owt_campaign.engine import CaseOutcome
 from owt_campaign.result_file import decode_outcome, encode_outcome
 from owt_campaign.runner import CaseRecord, run_cases
 from owt_campaign.store import ResultStore
@@ -264,21 +263,6 @@ def test_every_place_has_its_member_end_and_joint(finished: Path) -> None:
         member, joint = name.split(":")
         there = data.total_stress_per_year.sel(order=2, member=member)
         assert there.where(data.joint.sel(member=member) == joint, drop=True).item() == value
-
-
-def test_a_case_runs_again_by_its_own_seed(finished: Path, table: Path) -> None:
-    """`sea_seed` of the results in a case file gives the numbers of the campaign."""
-    data = results(finished)
-    assert len(set(data.sea_seed.values.ravel().tolist())) == data.sea_seed.size
-    given = json.loads(data.attrs["case"]) | {"wave": {"order": 2}}
-    again = {
-        case: evaluate_case(case_of(row, given, seed=int(data.sea_seed.sel(case=case, seed=2))))
-        for case, row in enumerate(read_load_cases(table).rows, 1)
-    }
-    for case, outcome in again.items():
-        np.testing.assert_array_equal(outcome.fatigue.damage, data.damage.sel(case=case, seed=2, order=2))
-    other = data.damage.sel(case=1, seed=1, order=2)  # negative control: another realisation
-    assert not np.allclose(again[1].fatigue.damage, other, rtol=0.01, atol=0.0)
 
 
 def test_what_the_tables_hold(finished: Path) -> None:

@@ -11,6 +11,8 @@ import pytest
 import xarray as xr
 
 from owt_bringup.cli import main
+from owt_campaign.engine import evaluate_case
+from owt_campaign.load_cases import case_of, read_load_cases
 from owt_campaign.occurrence import read_rose
 from owt_model.errors import InputError
 
@@ -69,6 +71,19 @@ def test_orders_are_compared_over_the_cases_that_both_finished(
     assert f"{ratio[2] / ratio[1]:.3f}" in page
     totals = data.damage_per_year[:, spot]
     assert float(totals[1] / totals[0]) < 0.5 * ratio[2] / ratio[1]  # negative control: of all that finished
+
+
+def test_a_case_runs_again_by_its_own_seed(tmp_path: Path) -> None:
+    """`sea_seed` of the results in a case file gives the numbers of the campaign."""
+    _, _, folder = campaign(tmp_path, HEAD + "2,330,7,0.6\n6,300,9.5,0.3\n", "--seeds", "2")
+    data = results(folder).sel(order=2)
+    assert len(set(data.sea_seed.values.ravel().tolist())) == 4
+    for case, row in enumerate(read_load_cases(tmp_path / "table.csv").rows, 1):
+        given = json.loads(data.attrs["case"])
+        again = evaluate_case(case_of(row, given, seed=int(data.sea_seed.sel(case=case, seed=2)), order=2))
+        np.testing.assert_array_equal(again.fatigue.damage, data.damage.sel(case=case, seed=2))
+        other = data.damage.sel(case=case, seed=1)  # negative control: another realisation
+        assert not np.allclose(again.fatigue.damage, other, rtol=0.01, atol=0.0)
 
 
 def test_the_error_by_the_seeds(tmp_path: Path) -> None:

@@ -253,18 +253,6 @@ def test_what_the_dataset_holds(finished: Path, table: Path) -> None:
     assert (per_year.max("hot_spot") <= largest_first).all()
 
 
-def test_every_place_has_its_member_end_and_joint(finished: Path) -> None:
-    data = results(finished)
-    for spot in data.hot_spot[:: len(data.hot_spot) // 50]:
-        end = data.joint.sel(member=spot.hot_spot_member, end=spot.hot_spot_end).item()
-        assert str(spot.values).startswith(f"{spot.hot_spot_member.item()}:{end} ")
-    stress = pd.read_parquet(finished / "tables" / "total_stress_per_year.parquet").set_index("order").loc[2]
-    for name, value in zip(stress.member_end, stress.total_stress_per_year_pa, strict=True):
-        member, joint = name.split(":")
-        there = data.total_stress_per_year.sel(order=2, member=member)
-        assert there.where(data.joint.sel(member=member) == joint, drop=True).item() == value
-
-
 def test_what_the_tables_hold(finished: Path) -> None:
     data = results(finished)
     cases = pd.read_parquet(finished / "tables" / "cases.parquet")

@@ -73,6 +73,19 @@ def test_orders_are_compared_over_the_cases_that_both_finished(
     assert float(totals[1] / totals[0]) < 0.5 * ratio[2] / ratio[1]  # negative control: of all that finished
 
 
+def test_every_place_has_its_member_end_and_joint(tmp_path: Path) -> None:
+    _, _, folder = campaign(tmp_path, HEAD + "2,330,7,1\n", "--seeds", "1")
+    data = results(folder)
+    for spot in data.hot_spot[:: len(data.hot_spot) // 50]:
+        end = data.joint.sel(member=spot.hot_spot_member, end=spot.hot_spot_end).item()
+        assert str(spot.values).startswith(f"{spot.hot_spot_member.item()}:{end} ")
+    stress = pd.read_parquet(folder / "tables" / "total_stress_per_year.parquet").set_index("order").loc[2]
+    for name, value in zip(stress.member_end, stress.total_stress_per_year_pa, strict=True):
+        member, joint = name.split(":")
+        there = data.total_stress_per_year.sel(order=2, member=member)
+        assert there.where(data.joint.sel(member=member) == joint, drop=True).item() == value
+
+
 def test_a_case_runs_again_by_its_own_seed(tmp_path: Path) -> None:
     """`sea_seed` of the results in a case file gives the numbers of the campaign."""
     _, _, folder = campaign(tmp_path, HEAD + "2,330,7,0.6\n6,300,9.5,0.3\n", "--seeds", "2")

@@ -127,11 +127,16 @@ def _remove(folder: Path) -> None:
     for path in (folder / CASES).glob("*"):
         if _CASE_FILE.fullmatch(path.name):
             path.unlink()
-    for name in NAMES:
-        (folder / TABLES / f"{name}.parquet").unlink(missing_ok=True)
+    _remove_results(folder)
     for name in OWN:
         with suppress(OSError):  # a folder that holds something else stays
             (folder / name).rmdir() if (folder / name).is_dir() else (folder / name).unlink()
+
+
+def _remove_results(folder: Path) -> None:
+    """Remove the dataset and the tables."""
+    for path in (folder / RESULTS, *(folder / TABLES / f"{name}.parquet" for name in NAMES)):
+        path.unlink(missing_ok=True)
 
 
 def run_campaign(
@@ -211,8 +216,7 @@ def _write_results(
     outcomes = _Outcomes(store, keys, result.failed)
     result.sample = _sample(plan, outcomes)
     if result.sample is None:
-        for path in (folder / RESULTS, *(folder / TABLES / f"{name}.parquet" for name in NAMES)):
-            path.unlink(missing_ok=True)
+        _remove_results(folder)
         return
     mesh = result.mesh = build_mesh(case_structure(result.sample.case.structure))
     design_fatigue_factor = result.sample.case.fatigue.design_fatigue_factor

@@ -141,7 +141,7 @@ def heaviest(damage: Mapping[Cell, float], count: int) -> list[Cell]:
 
 def variation_of(table: TableRuns, spot: int) -> float:
     """Coefficient of variation of the damage of a hot spot from seed to seed, of all sea states together."""
-    share = {cell: p for cell, p in zip(load_case_table(), occurrence(load_case_table()), strict=True)}
+    share = dict(zip(load_case_table(), occurrence(load_case_table()), strict=True))
     total = [
         sum(share[cell] * float(of[spot]) for cell, of in cell_damage(table, SECOND_ORDER, seed).items())
         for seed in table.seeds()
